@@ -1,0 +1,7 @@
+//! Where things are: points and directions that carry their frame in the type, and bodies.
+
+mod body;
+mod frame;
+
+pub use body::{Body, Geodetic};
+pub use frame::{BodyFixed, Camera, Direction, Frame, Icrf, Local, Map, Position, Rotation};

@@ -1,0 +1,48 @@
+//! The program `sim`: one match, one error chain, exit codes.
+
+mod cli;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Calibrated images of airless terrain for landing navigation.
+#[derive(Debug, Parser)]
+#[command(name = "sim", version, about)]
+struct Sim {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Horizon(cli::horizon::Args),
+    Kernels(cli::kernels::Args),
+    Sun(cli::sun::Args),
+    Terrain(cli::terrain::Args),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Sim::parse().command {
+        Command::Horizon(args) => cli::horizon::run(args),
+        Command::Kernels(args) => cli::kernels::run(args),
+        Command::Sun(args) => cli::sun::run(args),
+        Command::Terrain(args) => cli::terrain::run(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", chain(error.as_ref()));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// An error and its causes on one line.
+fn chain(error: &dyn Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}: {}", chain(cause)),
+        None => error.to_string(),
+    }
+}

@@ -1,0 +1,121 @@
+//! Images as named planes, each with its quantity and unit.
+
+use serde::{Deserialize, Serialize};
+
+/// What a plane holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Radiance at the pupil, in the camera's band, averaged over the pixel.
+    Radiance,
+    /// Irradiance of the ground facet by the visible part of the solar disc, averaged over the pixel.
+    GroundIrradiance,
+    /// I/F: `π L / E`, with `E` the irradiance of a plane that faces the Sun.
+    RadianceFactor,
+    /// Irradiance of the focal plane by the optics.
+    FocalPlaneIrradiance,
+    /// Share of the solar disc's light above horizon and facet plane, averaged over the pixel.
+    SunFraction,
+    /// Share of the pixel covered by the body.
+    Hit,
+    /// 1 where the pixel's centre sees ground without DEM heights, 0 elsewhere.
+    DemGap,
+    /// Distance along the boresight to the ground at the pixel's centre.
+    Depth,
+    /// Distance to the ground at the pixel's centre.
+    Range,
+    /// Outward surface normal at the pixel's centre, body-fixed.
+    Normal,
+    /// Planetographic latitude of the pixel's centre.
+    Latitude,
+    /// East longitude of the pixel's centre, 0 to 360.
+    Longitude,
+    /// Height above the reference spheroid at the pixel's centre.
+    Height,
+    /// Angle of the Sun with the surface normal at the pixel's centre.
+    Incidence,
+    /// Angle of the camera with the surface normal at the pixel's centre.
+    Emission,
+    /// Angle between the Sun and the camera at the pixel's centre.
+    Phase,
+    /// Distance on a plane facing the camera between the pixel's centre and the next column's.
+    GroundSampleDistance,
+}
+
+impl Quantity {
+    pub const ALL: [Self; 17] = [
+        Self::Radiance,
+        Self::GroundIrradiance,
+        Self::RadianceFactor,
+        Self::FocalPlaneIrradiance,
+        Self::SunFraction,
+        Self::Hit,
+        Self::DemGap,
+        Self::Depth,
+        Self::Range,
+        Self::Normal,
+        Self::Latitude,
+        Self::Longitude,
+        Self::Height,
+        Self::Incidence,
+        Self::Emission,
+        Self::Phase,
+        Self::GroundSampleDistance,
+    ];
+
+    /// Names of the channels: ISIS `phocube` names where they exist.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Radiance => &["RADIANCE"],
+            Self::GroundIrradiance => &["GROUND_IRRADIANCE"],
+            Self::RadianceFactor => &["RADIANCE_FACTOR"],
+            Self::FocalPlaneIrradiance => &["FOCAL_PLANE_IRRADIANCE"],
+            Self::SunFraction => &["SUN_FRACTION"],
+            Self::Hit => &["HIT"],
+            Self::DemGap => &["DEM_GAP"],
+            Self::Depth => &["DEPTH"],
+            Self::Range => &["RANGE"],
+            Self::Normal => &["NORMAL.X", "NORMAL.Y", "NORMAL.Z"],
+            Self::Latitude => &["LATITUDE"],
+            Self::Longitude => &["LONGITUDE"],
+            Self::Height => &["HEIGHT"],
+            Self::Incidence => &["LOCALINCIDENCE"],
+            Self::Emission => &["LOCALEMISSION"],
+            Self::Phase => &["PHASE"],
+            Self::GroundSampleDistance => &["PIXELRESOLUTION"],
+        }
+    }
+
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Radiance => "W m-2 sr-1",
+            Self::GroundIrradiance | Self::FocalPlaneIrradiance => "W m-2",
+            Self::RadianceFactor | Self::SunFraction | Self::Hit | Self::DemGap | Self::Normal => "1",
+            Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance => "m",
+            Self::Latitude | Self::Longitude | Self::Incidence | Self::Emission | Self::Phase => "deg",
+        }
+    }
+}
+
+/// One channel of an image, row by row from the top left. Pixels without a value are NaN.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane {
+    pub quantity: Quantity,
+    pub name: &'static str,
+    pub values: Vec<f32>,
+}
+
+/// Planes of equal size. Column 0, row 0 is the top left pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    pub columns: usize,
+    pub rows: usize,
+    pub planes: Vec<Plane>,
+}
+
+impl Image {
+    /// The first channel of a quantity.
+    pub fn plane(&self, quantity: Quantity) -> Option<&Plane> {
+        self.planes.iter().find(|plane| plane.quantity == quantity)
+    }
+}

@@ -1,0 +1,116 @@
+//! Nested grids of lifted heights on one gnomonic map, and the maps that make up a terrain.
+
+use glam::{DVec2, DVec3};
+
+use super::Gnomonic;
+use crate::geometry::Body;
+
+/// A square grid of lifted heights. The surface is bilinear in `H` between its nodes.
+///
+/// Node `(column, row)` lies at `X = west_m + column · posting_m`, `Y = south_m + row · posting_m`:
+/// rows run *up* the map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    pub columns: usize,
+    pub rows: usize,
+    pub posting_m: f64,
+    pub west_m: f64,
+    pub south_m: f64,
+    /// Lifted heights, row by row.
+    pub heights_m: Vec<f32>,
+    /// True where no DEM gave a height. Such nodes carry a filled height, never occlude, and are masked.
+    pub gap: Vec<bool>,
+    /// Where the surface of this level is seen and has horizons, in nodes from each side: the rest is a
+    /// margin that only casts shadows (a cube's face reaches past its edges).
+    pub margin: usize,
+}
+
+impl Level {
+    pub fn index(&self, column: usize, row: usize) -> usize {
+        row * self.columns + column
+    }
+
+    pub fn height_m(&self, column: usize, row: usize) -> f64 {
+        f64::from(self.heights_m[self.index(column, row)])
+    }
+
+    /// Map coordinates of a node.
+    pub fn node_m(&self, column: usize, row: usize) -> DVec2 {
+        DVec2::new(self.west_m + column as f64 * self.posting_m, self.south_m + row as f64 * self.posting_m)
+    }
+
+    /// The lifted point of a node.
+    pub fn lifted_node(&self, column: usize, row: usize) -> DVec3 {
+        self.node_m(column, row).extend(self.height_m(column, row))
+    }
+
+    /// Grid coordinates (columns, rows, counted from node (0, 0)) of a map point.
+    pub fn grid_from_map(&self, at_m: DVec2) -> DVec2 {
+        (at_m - DVec2::new(self.west_m, self.south_m)) / self.posting_m
+    }
+
+    pub fn map_from_grid(&self, grid: DVec2) -> DVec2 {
+        grid * self.posting_m + DVec2::new(self.west_m, self.south_m)
+    }
+
+    /// The cell that holds a grid point, points on the far edges included in the last one.
+    pub fn cell(&self, grid: DVec2) -> Option<(usize, usize)> {
+        let far = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
+        let inside = grid.cmpge(DVec2::ZERO).all() && grid.cmple(far).all();
+        inside.then(|| ((grid.x as usize).min(self.columns - 2), (grid.y as usize).min(self.rows - 2)))
+    }
+
+    /// Bilinear lifted height at a grid point inside the grid.
+    pub fn bilinear_m(&self, grid: DVec2) -> Option<f64> {
+        let (column, row) = self.cell(grid)?;
+        let (fx, fy) = (grid.x - column as f64, grid.y - row as f64);
+        let [h00, h10, h01, h11] = self.corners_m(column, row);
+        Some((1.0 - fy) * ((1.0 - fx) * h00 + fx * h10) + fy * ((1.0 - fx) * h01 + fx * h11))
+    }
+
+    /// Lifted heights of a cell's corners: (0, 0), (1, 0), (0, 1), (1, 1) in (column, row).
+    pub fn corners_m(&self, column: usize, row: usize) -> [f64; 4] {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.height_m(column + c, row + r))
+    }
+
+    /// dH/dX and dH/dY at a node: central differences, one-sided at the edges.
+    pub fn gradient(&self, column: usize, row: usize) -> DVec2 {
+        let difference = |low: usize, high: usize, height: &dyn Fn(usize) -> f64| {
+            (height(high) - height(low)) / ((high - low) as f64 * self.posting_m)
+        };
+        DVec2::new(
+            difference(column.saturating_sub(1), (column + 1).min(self.columns - 1), &|c| self.height_m(c, row)),
+            difference(row.saturating_sub(1), (row + 1).min(self.rows - 1), &|r| self.height_m(column, r)),
+        )
+    }
+
+    /// True where a map point lies in the part of the level that is seen (not in its margin).
+    pub fn sees(&self, at_m: DVec2) -> bool {
+        let grid = self.grid_from_map(at_m);
+        let low = DVec2::splat(self.margin as f64);
+        let high = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64) - low;
+        grid.cmpge(low).all() && grid.cmple(high).all()
+    }
+}
+
+/// A gnomonic map with its nested levels, finest first. Where levels overlap the finest one is the
+/// surface; along its edge it agrees with the next one, so that the surface has no cracks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    pub map: Gnomonic,
+    pub levels: Vec<Level>,
+}
+
+impl Face {
+    /// The finest level whose seen part holds a map point.
+    pub fn level_at(&self, at_m: DVec2) -> Option<usize> {
+        self.levels.iter().position(|level| level.sees(at_m))
+    }
+}
+
+/// The surface of a scene: maps with heights, and the bare spheroid where they end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terrain {
+    pub body: Body,
+    pub faces: Vec<Face>,
+}
