@@ -2,6 +2,10 @@
 
 pub mod gnomonic;
 pub mod level;
+pub mod pyramid;
+pub mod surface;
 
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
+pub use pyramid::Pyramid;
+pub use surface::{Ground, Hit, Surface};
