@@ -1,5 +1,44 @@
 //! Radiance seen by a camera.
+//!
+//! [`Scene`] and [`View`] are all that a renderer reads. [`reference`] renders them in f64, one ray at a time,
+//! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
+//! [`planes`] makes the image.
 
 pub mod image;
+pub mod layout;
+pub mod passes;
+pub mod planes;
+pub mod reference;
+pub mod view;
 
 pub use image::{Image, Plane, Quantity};
+pub use planes::Samples;
+pub use view::{Light, Scene, Shadows, View};
+
+use crate::gpu::GpuError;
+
+/// A way to render a scene, one view after the other.
+pub trait Renderer {
+    /// The adapter on one line, for manifests.
+    fn adapter(&self) -> String;
+
+    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError>;
+
+    fn render(&mut self, scene: &Scene, view: &View) -> Result<Image, RenderError> {
+        Ok(planes::image(scene, view, &self.samples(scene, view)?))
+    }
+}
+
+/// What can go wrong while rendering.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(
+        "{what} take {needed_mib} MiB in one buffer, the adapter allows {allowed_mib} MiB; \
+         use a coarser posting or a smaller extent, or --adapter cpu"
+    )]
+    BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
+    #[error("traced shadows need the reference renderer; use --adapter cpu")]
+    TracedOnGpu,
+}

@@ -1,1 +1,42 @@
-//! To come.
+//! Methods that answer how much of a light's disc is seen from a point of the terrain.
+//!
+//! A method knows the skyline across the disc; the disc integral ([`crate::photometry::SolarDisk`]) does the
+//! rest.
+
+mod fourier;
+mod traced;
+
+pub use fourier::FourierMaps;
+pub use traced::Traced;
+
+use std::fmt::Debug;
+
+use glam::DVec3;
+
+use crate::geometry::Map;
+use crate::photometry::{DiskLight, Facet, SolarDisk, SunAxes};
+use crate::terrain::Gnomonic;
+
+/// A point of a level's surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Site<'a> {
+    pub map: &'a Gnomonic,
+    pub face: usize,
+    pub level: usize,
+    pub lifted: DVec3,
+}
+
+/// A luminous disc as a facet sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Disc<'a> {
+    pub disk: &'a SolarDisk,
+    pub axes: SunAxes<Map>,
+    pub angular_radius_rad: f64,
+    pub facet: Facet,
+}
+
+/// A source of shadows.
+pub trait Shadow: Debug + Sync {
+    /// The part of the disc above the skyline of a site and above its facet's own plane.
+    fn light(&self, site: &Site, disc: &Disc) -> DiskLight;
+}

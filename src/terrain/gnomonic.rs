@@ -108,11 +108,26 @@ impl Gnomonic {
         Direction::new(at_m.extend(self.radius_m)).expect("a plane at distance R misses the origin")
     }
 
+    /// The outward normal of a surface with lifted `gradient` at a lifted point. The tangent plane of the
+    /// height field is a plane in space, `−gx x − gy y + (R − H + gx X + gy Y) z/R = R`.
+    pub fn normal(&self, lifted: DVec3, gradient: DVec2) -> Direction<Map> {
+        let z = 1.0 + (gradient.dot(lifted.truncate()) - lifted.z) / self.radius_m;
+        Direction::new((-gradient).extend(z)).expect("a height field has no vertical face")
+    }
+
     /// The straight map direction in which `towards` leaves the vertical above `at_m`: the *map azimuth*
     /// vector, not normalised, zero where `towards` is vertical.
     pub fn map_direction(&self, at_m: DVec2, towards: Direction<Map>) -> DVec2 {
         let s = towards.unit();
         s.truncate() - at_m * (s.z / self.radius_m)
+    }
+
+    /// How much faster map azimuth turns than true azimuth, dA_map/dA, for a map direction at `at_m`: the map
+    /// stretches distances by 1/cos²c away from its centre and by 1/cos c across.
+    pub fn azimuth_ratio(&self, at_m: DVec2, direction: DVec2) -> f64 {
+        let along = at_m.dot(direction.normalize_or_zero()) / self.radius_m;
+        let stretch = 1.0 + at_m.length_squared() / (self.radius_m * self.radius_m);
+        (1.0 - along * along / stretch) * stretch.sqrt()
     }
 
     /// Elevation above the local horizontal, as its tangent, of the line that leaves the lifted point
@@ -176,6 +191,35 @@ mod tests {
         let sight = (there.vector_m() - here.vector_m()).normalize();
         let expected = sight.dot(up) / sight.reject_from(up).length();
         assert!((tangent - expected).abs() < 1e-12, "{tangent} {expected}");
+    }
+
+    #[test]
+    fn map_azimuth_turns_with_true_azimuth_at_the_stated_ratio() {
+        let at = DVec2::new(400_000.0, -700_000.0);
+        let up = map().up(at).unit();
+        let (east, north) = (up.any_orthonormal_pair().0, up.any_orthonormal_pair().1);
+        for azimuth in [0.0_f64, 0.7, 1.9, 3.0] {
+            let towards = |a: f64| {
+                let direction = Direction::new(a.cos() * north + a.sin() * east).unwrap();
+                map().map_direction(at, direction)
+            };
+            let (a, b) = (towards(azimuth - 1e-5), towards(azimuth + 1e-5));
+            let measured = a.angle_to(b).abs() / 2e-5;
+            let ratio = map().azimuth_ratio(at, towards(azimuth));
+            assert!((measured / ratio - 1.0).abs() < 1e-6, "{measured} {ratio}");
+        }
+    }
+
+    #[test]
+    fn the_normal_of_level_ground_is_up_wherever_on_the_map() {
+        let at = DVec2::new(150_000.0, -90_000.0);
+        let height = |at: DVec2| map().lifted_height_m(at, 1_737_400.0);
+        let gradient = DVec2::new(
+            height(at + DVec2::X) - height(at - DVec2::X),
+            height(at + DVec2::Y) - height(at - DVec2::Y),
+        ) / 2.0;
+        let normal = map().normal(at.extend(height(at)), gradient);
+        assert!(normal.angle_to(map().up(at)) < 1e-6);
     }
 
     #[test]

@@ -84,6 +84,19 @@ impl Level {
         )
     }
 
+    /// dH/dX and dH/dY at a map point: the nodes' gradients, bilinear between them, so that shading is
+    /// continuous from cell to cell.
+    pub fn interpolated_gradient(&self, at_m: DVec2) -> DVec2 {
+        let grid = self.grid_from_map(at_m);
+        let far = DVec2::new((self.columns - 2) as f64, (self.rows - 2) as f64);
+        let cell = grid.floor().clamp(DVec2::ZERO, far);
+        let (column, row) = (cell.x as usize, cell.y as usize);
+        let f = grid - cell;
+        let low = self.gradient(column, row).lerp(self.gradient(column + 1, row), f.x);
+        let high = self.gradient(column, row + 1).lerp(self.gradient(column + 1, row + 1), f.x);
+        low.lerp(high, f.y)
+    }
+
     /// True where a map point lies in the part of the level that is seen (not in its margin).
     pub fn sees(&self, at_m: DVec2) -> bool {
         let grid = self.grid_from_map(at_m);

@@ -134,6 +134,24 @@ impl Level {
         [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(c, r)| self.gap[self.index(column + c, row + r)])
     }
 
+    /// The seen part alone, as a level without margin.
+    pub fn seen(&self) -> Self {
+        let m = self.margin;
+        let (columns, rows) = (self.columns - 2 * m, self.rows - 2 * m);
+        let cut = |row: usize| self.index(m, row)..self.index(m, row) + columns;
+        let south_west_m = self.node_m(m, m);
+        Self {
+            columns,
+            rows,
+            posting_m: self.posting_m,
+            west_m: south_west_m.x,
+            south_m: south_west_m.y,
+            heights_m: (m..m + rows).flat_map(|row| self.heights_m[cut(row)].iter().copied()).collect(),
+            gap: (m..m + rows).flat_map(|row| self.gap[cut(row)].iter().copied()).collect(),
+            margin: 0,
+        }
+    }
+
     /// Map coordinates of the seen part's corners.
     pub fn seen_m(&self) -> (DVec2, DVec2) {
         let far = (self.columns - 1 - self.margin, self.rows - 1 - self.margin);

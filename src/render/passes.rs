@@ -1,0 +1,360 @@
+//! The renderer for GPUs: one compute pass over the pixels, f32 around the camera.
+//!
+//! Everything of planetary size is subtracted on the host in f64: a level's grid is counted from the
+//! camera's cell, a map's ray parameters come from the camera's exact place in it, and directions of rays
+//! are tabulated by [`crate::camera`], distortion included. The exposures of a sequence share all buffers
+//! but a few hundred bytes.
+//!
+//! `reference` is the twin; `tests/conformance` holds the two together.
+
+use glam::{DVec2, DVec3};
+use wgpu::{Buffer, ComputePipeline};
+
+use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
+use super::planes::{Radiometry, Samples};
+use super::{Light, RenderError, Renderer, Scene, Shadows, View};
+use crate::geometry::{BodyFixed, Position};
+use crate::gpu::Gpu;
+use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
+use crate::horizon::HorizonMap;
+use crate::terrain::{Face, Ground, Hit, Level, Pyramid, Surface};
+
+/// The pass, as one text: declarations may come in any order.
+pub const SHADER: &str = concat!(include_str!("passes.wgsl"), include_str!("../terrain/surface.wgsl"));
+
+/// Gradients of nodes without heights; the shader takes slopes this steep for gaps.
+const GAP_SLOPE: f32 = 1e30;
+
+/// The shader takes rays beyond 1e20 for none.
+const NO_RAY: f32 = 1e30;
+
+/// Rays in one dispatch, at most: 32 MiB of directions.
+const RAYS_AT_ONCE: usize = 4 << 20;
+
+/// Pixels of one workgroup, as in the shader.
+const GROUP: usize = 64;
+
+/// Renders with compute shaders.
+#[derive(Debug)]
+pub struct Passes {
+    gpu: Gpu,
+    prepared: Option<Prepared>,
+    /// Seconds the device spent on the last view, where it can tell.
+    pub device_seconds: Option<f64>,
+}
+
+/// What stays on the device from view to view.
+#[derive(Debug)]
+struct Prepared {
+    pipeline: ComputePipeline,
+    reflectance: Buffer,
+    disk_tables: Buffer,
+    heights: Buffer,
+    gradients: Buffer,
+    maxima: Buffer,
+    texels: Buffer,
+    levels: Vec<Packed>,
+    /// Directions of the rays, in bands of whole pixels.
+    bands: Vec<Band>,
+    rays_per_pixel: usize,
+}
+
+/// A level as the shader knows it, and where it comes from.
+#[derive(Debug)]
+struct Packed {
+    shader: MapLevel,
+    face: usize,
+    level: usize,
+}
+
+#[derive(Debug)]
+struct Band {
+    pixels: usize,
+    rays: Buffer,
+}
+
+impl Passes {
+    pub fn new(gpu: Gpu) -> Self {
+        Self { gpu, prepared: None, device_seconds: None }
+    }
+}
+
+impl Renderer for Passes {
+    fn adapter(&self) -> String {
+        self.gpu.describe()
+    }
+
+    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+        if self.prepared.is_none() {
+            self.prepared = Some(Prepared::new(&self.gpu, scene, view)?);
+        }
+        let prepared = self.prepared.as_ref().expect("prepared above");
+        let (pixels, centres, seconds) = prepared.dispatch(&self.gpu, scene, view)?;
+        self.device_seconds = seconds;
+        let pixels = pixels.iter().map(Radiometry::from).collect();
+        let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
+        Ok(Samples { pixels, centres })
+    }
+}
+
+impl Prepared {
+    fn new(gpu: &Gpu, scene: &Scene, view: &View) -> Result<Self, RenderError> {
+        let horizons = match &scene.shadows {
+            Shadows::None => None,
+            Shadows::Fourier(maps) => Some(maps),
+            Shadows::Traced(_) => return Err(RenderError::TracedOnGpu),
+        };
+        let mut store = Store::default();
+        for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
+            for level in 0..levels.levels.len() {
+                store.add(&scene.surface, face, level, horizons.map(|maps| &maps[face][level]));
+            }
+        }
+        let tables: Vec<f32> = view.lights.iter().flat_map(|light| light.disk.tables()).collect();
+        let offsets = scene.sample_offsets();
+        // Where a sample goes through the centre it serves for both.
+        let central = offsets.iter().position(|offset| *offset == DVec2::ZERO);
+        let extra = scene.needs_centres() && central.is_none();
+        let rays_per_pixel = offsets.len() + usize::from(extra);
+        let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
+        let (model, reflectance) = scene.reflectance.shader_parameters();
+        let mut constants = vec![
+            ("RAYS", rays_per_pixel as f64),
+            ("SAMPLES", offsets.len() as f64),
+            ("CENTRE", centre as f64),
+            ("FACES", scene.surface.terrain.faces.len() as f64),
+            ("LIGHTS", view.lights.len() as f64),
+            ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
+            ("REFLECTANCE_MODEL", f64::from(model)),
+        ];
+        constants.extend(SolarDisk::constants());
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, crate::horizon::SERIES_WGSL].concat();
+        let mut points = offsets;
+        if extra {
+            points.push(DVec2::ZERO);
+        }
+        Ok(Self {
+            pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
+            reflectance: gpu.storage("reflectance", &[reflectance]),
+            disk_tables: gpu.storage("disc tables", &tables),
+            heights: checked(gpu, "lifted heights", &store.heights_m)?,
+            gradients: checked(gpu, "gradients", &store.gradients)?,
+            maxima: checked(gpu, "maxima", &store.maxima_m)?,
+            texels: checked(gpu, "horizon maps", &store.texels)?,
+            levels: store.levels,
+            bands: bands(gpu, scene, &points),
+            rays_per_pixel,
+        })
+    }
+
+    fn dispatch(
+        &self,
+        gpu: &Gpu,
+        scene: &Scene,
+        view: &View,
+    ) -> Result<(Vec<PixelOut>, Vec<CentreOut>, Option<f64>), RenderError> {
+        let terrain = &scene.surface.terrain;
+        let faces: Vec<MapFace> =
+            terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
+        let levels: Vec<MapLevel> = self.levels.iter().map(|level| level.centred(scene, view)).collect();
+        let lights = lights(scene, view);
+        let faces = gpu.storage("maps", &faces);
+        let levels = gpu.storage("levels", &levels);
+        let lights = gpu.storage("lights", &lights);
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), Some(0.0));
+        for band in &self.bands {
+            let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
+            let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
+            let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
+            let buffers = [
+                &parameters,
+                &faces,
+                &levels,
+                &lights,
+                &self.reflectance,
+                &self.disk_tables,
+                &self.heights,
+                &self.gradients,
+                &self.maxima,
+                &self.texels,
+                &band.rays,
+                &pixels_out,
+                &centres_out,
+            ];
+            let groups = band.pixels.div_ceil(GROUP);
+            // A dimension holds at most 65535 workgroups.
+            let across = groups.min(1 << 15);
+            let spent = gpu.run(&self.pipeline, &buffers, [across as u32, groups.div_ceil(across) as u32, 1]);
+            seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
+            pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
+            if scene.needs_centres() {
+                centres.extend(gpu.read::<CentreOut>(&centres_out)?);
+            }
+        }
+        Ok((pixels, centres, seconds))
+    }
+
+    fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
+        let first_level = self.levels.iter().position(|level| level.face == index).unwrap_or(0);
+        MapFace::new(view, face, first_level, scene.surface.terrain.faces.len() == 1)
+    }
+
+    /// The centres' hits in f64: the device says where on which cell, the host computes the point.
+    fn hits(&self, scene: &Scene, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
+        use rayon::prelude::*;
+        let columns = scene.optics.columns;
+        let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
+        centres.par_iter().enumerate().map(|(index, centre)| self.hit(scene, view, pixel(index), centre)).collect()
+    }
+
+    fn hit(&self, scene: &Scene, view: &View, pixel: DVec2, centre: &CentreOut) -> Option<Hit> {
+        let terrain = &scene.surface.terrain;
+        match centre.ground {
+            CentreOut::DEM => {
+                let &Packed { face, level, ref shader } = &self.levels[centre.level as usize];
+                let grid_level = &terrain.faces[face].levels[level];
+                let cell = DVec2::new(f64::from(centre.cell % shader.columns), f64::from(centre.cell / shader.columns));
+                let grid = cell + DVec2::from(centre.fraction.map(f64::from)) + grid_level.margin as f64;
+                let lifted = grid_level.map_from_grid(grid).extend(grid_level.bilinear_m(grid)?);
+                let position = terrain.faces[face].map.body_from_lifted(lifted);
+                let distance_m = position.distance_m(view.camera_position);
+                Some(Hit { ground: Ground::Dem { face, level, lifted }, position, distance_m })
+            }
+            CentreOut::MISS => None,
+            ground => {
+                let direction = view.camera_from_body.inverse() * scene.optics.direction(pixel)?;
+                let distance_m = f64::from(centre.distance_m);
+                let ground = if ground == CentreOut::GAP { Ground::Gap } else { Ground::Bare };
+                let position: Position<BodyFixed> =
+                    Position::from_m(view.camera_position.vector_m() + distance_m * direction.unit());
+                Some(Hit { ground, position, distance_m })
+            }
+        }
+    }
+}
+
+impl From<&PixelOut> for Radiometry {
+    fn from(pixel: &PixelOut) -> Self {
+        let gap = pixel.hit < 0.0;
+        let ground = |value: f32| if gap || pixel.hit == 0.0 { f32::NAN } else { value };
+        Self {
+            radiance_w_m2_sr: if gap { f32::NAN } else { pixel.radiance },
+            irradiance_w_m2: ground(pixel.irradiance),
+            sun_fraction: ground(pixel.fraction),
+            hit: if gap { 1.0 } else { pixel.hit },
+        }
+    }
+}
+
+/// The terrain's numbers in the shader's order: the seen parts of all levels, one after the other.
+#[derive(Debug, Default)]
+struct Store {
+    levels: Vec<Packed>,
+    heights_m: Vec<f32>,
+    gradients: Vec<[f32; 2]>,
+    maxima_m: Vec<f32>,
+    texels: Vec<[u32; 4]>,
+}
+
+impl Store {
+    fn add(&mut self, surface: &Surface, face: usize, level: usize, horizon: Option<&HorizonMap>) {
+        let full = &surface.terrain.faces[face].levels[level];
+        let seen = full.seen();
+        let pyramid = if full.margin == 0 { &surface.pyramids[face][level] } else { &Pyramid::new(&seen) };
+        let mut shader = MapLevel::new(&seen, face);
+        shader.heights_offset = self.heights_m.len() as u32;
+        shader.maxima_offset = self.maxima_m.len() as u32;
+        shader.mips = pyramid.mips.len() as u32;
+        self.heights_m.extend(&seen.heights_m);
+        self.gradients.extend(gradients(full));
+        self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
+        if let Some(map) = horizon {
+            shader.has_horizon = 1;
+            for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
+                *offset = self.texels.len() as u32;
+                self.texels.extend(&texels.texels);
+            }
+        }
+        self.levels.push(Packed { shader, face, level });
+    }
+}
+
+impl Packed {
+    /// The level with its grid counted from the camera's cell.
+    fn centred(&self, scene: &Scene, view: &View) -> MapLevel {
+        let face = &scene.surface.terrain.faces[self.face];
+        let Some(lifted) = MapFace::direct_start(&face.map, view.camera_position) else { return self.shader };
+        let level = &face.levels[self.level];
+        self.shader.about(level.grid_from_map(lifted.truncate()) - level.margin as f64)
+    }
+}
+
+/// Gradients of the seen nodes; those without heights of their own are marked.
+fn gradients(level: &Level) -> Vec<[f32; 2]> {
+    use rayon::prelude::*;
+    let rows = level.margin..level.rows - level.margin;
+    rows.into_par_iter()
+        .flat_map_iter(|row| {
+            (level.margin..level.columns - level.margin).map(move |column| {
+                if level.gap[level.index(column, row)] {
+                    [GAP_SLOPE; 2]
+                } else {
+                    level.gradient(column, row).as_vec2().to_array()
+                }
+            })
+        })
+        .collect()
+}
+
+/// Lights by map, and by body last.
+fn lights(scene: &Scene, view: &View) -> Vec<LightParameters> {
+    let mut tables = 0;
+    let offsets: Vec<usize> =
+        view.lights.iter().map(|light| std::mem::replace(&mut tables, tables + light.disk.tables().len())).collect();
+    let of_frame = |vector: &dyn Fn(Position<BodyFixed>) -> DVec3| -> Vec<LightParameters> {
+        let of_light = |(light, &offset): (&Light, &usize)| LightParameters::new(light, vector(light.position), offset);
+        view.lights.iter().zip(&offsets).map(of_light).collect()
+    };
+    let maps = scene.surface.terrain.faces.iter().flat_map(|face| of_frame(&|position| face.map.map_vector(position)));
+    maps.chain(of_frame(&|position| position.vector_m())).collect()
+}
+
+fn bands(gpu: &Gpu, scene: &Scene, points: &[DVec2]) -> Vec<Band> {
+    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let rows_at_once = (RAYS_AT_ONCE / (points.len() * columns)).clamp(1, rows);
+    (0..rows)
+        .step_by(rows_at_once)
+        .map(|first| {
+            let until = (first + rows_at_once).min(rows);
+            let rays = directions(scene, first..until, points);
+            Band { pixels: (until - first) * columns, rays: gpu.storage("rays", &rays) }
+        })
+        .collect()
+}
+
+/// `x/z, y/z` of each ray, pixel by pixel; `NO_RAY` where the optics see nothing.
+fn directions(scene: &Scene, rows: std::ops::Range<usize>, points: &[DVec2]) -> Vec<[f32; 2]> {
+    use rayon::prelude::*;
+    rows.into_par_iter()
+        .flat_map_iter(|row| {
+            (0..scene.optics.columns).flat_map(move |column| {
+                points.iter().map(move |offset| {
+                    let pixel = DVec2::new(column as f64, row as f64) + *offset;
+                    scene.optics.direction(pixel).map_or([NO_RAY; 2], |direction| {
+                        let d = direction.unit();
+                        [(d.x / d.z) as f32, (d.y / d.z) as f32]
+                    })
+                })
+            })
+        })
+        .collect()
+}
+
+fn checked<T: bytemuck::Pod>(gpu: &Gpu, what: &'static str, values: &[T]) -> Result<Buffer, RenderError> {
+    let needed = size_of_val(values) as u64;
+    let allowed = u64::from(gpu.device.limits().max_storage_buffer_binding_size);
+    if needed > allowed {
+        return Err(RenderError::BufferTooLarge { what, needed_mib: needed >> 20, allowed_mib: allowed >> 20 });
+    }
+    Ok(gpu.storage(what, values))
+}

@@ -1,0 +1,259 @@
+// Radiance, irradiance and Sun fraction of each pixel, and what its centre sees.
+
+struct ViewParameters {
+    // Rows of the rotation from camera axes to body-fixed axes.
+    from_camera_x: vec4f,
+    from_camera_y: vec4f,
+    from_camera_z: vec4f,
+    // Camera over the spheroid's radii; w is |.|^2 - 1.
+    scaled_camera: vec4f,
+    // The spheroid's radii, and the camera's body-fixed position.
+    radii_m: vec4f,
+    camera_m: vec4f,
+    pixels: u32,
+    padding: array<u32, 3>,
+}
+
+// A luminous disc as one map (or the body, last) sees it.
+struct LightParameters {
+    // Direction from the centre of projection, and 1/distance.
+    direction: vec4f,
+    // Angular radius, irradiance of a plane that faces it, offset into the disc tables.
+    radius_rad: f32,
+    irradiance_w_m2: f32,
+    tables_offset: u32,
+    padding: u32,
+}
+
+struct Pixel {
+    radiance: f32,
+    irradiance: f32,
+    fraction: f32,
+    // Share of the samples that met the body; -1 where one met a gap.
+    hit: f32,
+}
+
+struct Centre {
+    ground: u32,
+    level: u32,
+    cell: u32,
+    padding: u32,
+    fraction: vec2f,
+    distance_m: f32,
+    padding_2: f32,
+}
+
+@group(0) @binding(0) var<storage, read> view: ViewParameters;
+@group(0) @binding(1) var<storage, read> map_faces: array<MapFace>;
+@group(0) @binding(2) var<storage, read> map_levels: array<MapLevel>;
+@group(0) @binding(3) var<storage, read> lights: array<LightParameters>;
+@group(0) @binding(4) var<storage, read> reflectance: ReflectanceParameters;
+@group(0) @binding(5) var<storage, read> disk_tables: array<f32>;
+@group(0) @binding(6) var<storage, read> heights_m: array<f32>;
+@group(0) @binding(7) var<storage, read> gradients: array<vec2f>;
+@group(0) @binding(8) var<storage, read> maxima_m: array<f32>;
+@group(0) @binding(9) var<storage, read> horizon_texels: array<vec4u>;
+@group(0) @binding(10) var<storage, read> rays: array<vec2f>;
+@group(0) @binding(11) var<storage, read_write> pixels_out: array<Pixel>;
+@group(0) @binding(12) var<storage, read_write> centres_out: array<Centre>;
+
+// Rays of each pixel, how many of them (the first ones) are samples, and which one goes through the
+// centre (RAYS where none is wanted).
+override RAYS: u32;
+override SAMPLES: u32;
+override CENTRE: u32;
+override FACES: u32;
+override LIGHTS: u32;
+override HORIZONS: bool;
+
+// A place on the ground with all that lighting needs, in the axes of `frame` (a map, or FACES: the body).
+struct Facet {
+    frame: u32,
+    up: vec3f,
+    normal: vec3f,
+    // From the centre of projection, in metres.
+    position_m: vec3f,
+    // On the map; the map's radius.
+    at_m: vec2f,
+    radius_m: f32,
+    level: u32,
+    // In nodes of the level's seen part.
+    grid: vec2f,
+    gap: bool,
+}
+
+fn first_hit(camera_d: vec3f, body_d: vec3f) -> SurfaceHit {
+    var nearest = no_hit();
+    for (var face = 0u; face < FACES; face++) {
+        let hit = hit_face(face, camera_d);
+        if hit.distance_m < nearest.distance_m {
+            nearest = hit;
+        }
+    }
+    let bare_m = bare_distance(view.scaled_camera, body_d / view.radii_m.xyz);
+    if bare_m < nearest.distance_m && bare_m >= 0.0 {
+        var covered = false;
+        for (var face = 0u; face < FACES; face++) {
+            let map = map_faces[face];
+            let d = vec3f(dot(map.from_camera_x.xyz, camera_d), dot(map.from_camera_y.xyz, camera_d), dot(map.from_camera_z.xyz, camera_d));
+            covered = covered || is_covered(map, map.camera_m.xyz + bare_m * d);
+        }
+        if !covered {
+            nearest = SurfaceHit(BARE, 0u, vec2i(0), vec2f(0.0), bare_m);
+        }
+    }
+    return nearest;
+}
+
+fn dem_facet(hit: SurfaceHit) -> Facet {
+    let level = map_levels[hit.level];
+    let radius_m = map_faces[level.face].camera_m.w;
+    let node = level.heights_offset + u32(hit.cell.y) * level.columns + u32(hit.cell.x);
+    let g00 = gradients[node];
+    let g10 = gradients[node + 1u];
+    let g01 = gradients[node + level.columns];
+    let g11 = gradients[node + level.columns + 1u];
+    let steepest = max(max(abs(g00.x), abs(g10.x)), max(abs(g01.x), abs(g11.x)));
+    let f = hit.fraction;
+    let gradient = mix(mix(g00, g10, f.x), mix(g01, g11, f.x), f.y);
+    let low = mix(heights_m[node], heights_m[node + 1u], f.x);
+    let high = mix(heights_m[node + level.columns], heights_m[node + level.columns + 1u], f.x);
+    let height_m = mix(low, high, f.y);
+    var facet: Facet;
+    facet.frame = level.face;
+    facet.level = hit.level;
+    facet.grid = vec2f(hit.cell) + f;
+    facet.at_m = level.south_west_m + facet.grid * level.posting_m;
+    facet.radius_m = radius_m;
+    facet.up = normalize(vec3f(facet.at_m, radius_m));
+    facet.normal = normalize(vec3f(-gradient, 1.0 + (dot(gradient, facet.at_m) - height_m) / radius_m));
+    facet.position_m = vec3f(facet.at_m, radius_m) * (radius_m / (radius_m - height_m));
+    facet.gap = steepest > GAP_SLOPE;
+    return facet;
+}
+
+fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
+    var facet: Facet;
+    facet.frame = FACES;
+    facet.position_m = view.camera_m.xyz + hit.distance_m * body_d;
+    facet.normal = normalize(facet.position_m / (view.radii_m.xyz * view.radii_m.xyz));
+    facet.up = facet.normal;
+    facet.gap = false;
+    return facet;
+}
+
+// The skyline at a facet as a line in the disc's plane: height at its centre and slope, in disc radii.
+fn skyline(facet: Facet, s: vec3f, radius_rad: f32) -> vec2f {
+    if !HORIZONS || facet.frame == FACES {
+        return vec2f(-1.0e3, 0.0);
+    }
+    let level = map_levels[facet.level];
+    let direction = s.xy - facet.at_m * (s.z / facet.radius_m);
+    let length_2 = dot(direction, direction);
+    if level.has_horizon == 0u || length_2 < 1.0e-12 {
+        return vec2f(-1.0e3, 0.0);
+    }
+    let towards = direction / sqrt(length_2);
+    let grid = HorizonGrid(level.columns, level.rows, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+    let horizon = horizon_elevation(grid, facet.grid, towards);
+    // A gnomonic map stretches distances from its centre by 1/cos^2 c along and 1/cos c across.
+    let stretch = 1.0 + dot(facet.at_m, facet.at_m) / (facet.radius_m * facet.radius_m);
+    let along = dot(facet.at_m, towards) / facet.radius_m;
+    let azimuth_ratio = (1.0 - along * along / stretch) * sqrt(stretch);
+    let sin_elevation = dot(s, facet.up);
+    let cos_elevation = sqrt(max(1.0 - sin_elevation * sin_elevation, 0.0));
+    return horizon_line(horizon.x, horizon.y * azimuth_ratio, sin_elevation, cos_elevation, radius_rad);
+}
+
+struct Sample {
+    radiance: f32,
+    irradiance: f32,
+    fraction: f32,
+}
+
+fn shade(facet: Facet, to_camera: vec3f) -> Sample {
+    var sample = Sample(0.0, 0.0, 0.0);
+    for (var index = 0u; index < LIGHTS; index++) {
+        let light = lights[facet.frame * LIGHTS + index];
+        let s = normalize(light.direction.xyz - facet.position_m * light.direction.w);
+        let rise = facet.up - dot(facet.up, s) * s;
+        let e_y = rise * inverseSqrt(max(dot(rise, rise), 1.0e-20));
+        let e_x = cross(e_y, s);
+        let plane = vec3f(dot(facet.normal, s) / light.radius_rad, dot(facet.normal, e_x), dot(facet.normal, e_y));
+        let line = skyline(facet, s, light.radius_rad);
+        let seen = disk_light(line.x, line.y, plane, light.tables_offset);
+        let cosine = light.radius_rad * (seen.fraction * plane.x + dot(seen.moment, plane.yz));
+        let irradiance = light.irradiance_w_m2 * max(cosine, 0.0);
+        if irradiance > 0.0 {
+            let mu0 = min(irradiance / (light.irradiance_w_m2 * seen.fraction), 1.0);
+            let mu = max(dot(facet.normal, to_camera), 0.0);
+            sample.radiance += brdf_sr(reflectance, mu0, mu, dot(s, to_camera)) * irradiance;
+        }
+        if index == 0u {
+            sample.irradiance = irradiance;
+            sample.fraction = seen.fraction;
+        }
+    }
+    return sample;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let pixel = id.y * groups.x * 64u + id.x;
+    if pixel >= view.pixels {
+        return;
+    }
+    var sum = Sample(0.0, 0.0, 0.0);
+    var hits = 0.0;
+    var gap = false;
+    for (var ray = 0u; ray < RAYS; ray++) {
+        let plane_d = rays[pixel * RAYS + ray];
+        // The optics see nothing here.
+        if plane_d.x > 1.0e20 {
+            if ray == CENTRE {
+                centres_out[pixel] = Centre(MISS, 0u, 0u, 0u, vec2f(0.0), 0.0, 0.0);
+            }
+            continue;
+        }
+        let camera_d = normalize(vec3f(plane_d, 1.0));
+        let body_d = vec3f(dot(view.from_camera_x.xyz, camera_d), dot(view.from_camera_y.xyz, camera_d), dot(view.from_camera_z.xyz, camera_d));
+        var hit = first_hit(camera_d, body_d);
+        var facet: Facet;
+        if hit.ground == DEM {
+            facet = dem_facet(hit);
+            if facet.gap {
+                hit.ground = GAP;
+            }
+        } else if hit.ground == BARE {
+            facet = bare_facet(hit, body_d);
+        }
+        if ray == CENTRE {
+            let cell = u32(hit.cell.y) * map_levels[hit.level].columns + u32(hit.cell.x);
+            centres_out[pixel] = Centre(hit.ground, hit.level, cell, 0u, hit.fraction, hit.distance_m, 0.0);
+        }
+        if ray >= SAMPLES || hit.ground == MISS {
+            continue;
+        }
+        hits += 1.0;
+        gap = gap || hit.ground == GAP;
+        if hit.ground == GAP {
+            continue;
+        }
+        var to_camera = -body_d;
+        if facet.frame < FACES {
+            let map = map_faces[facet.frame];
+            to_camera = -vec3f(dot(map.from_camera_x.xyz, camera_d), dot(map.from_camera_y.xyz, camera_d), dot(map.from_camera_z.xyz, camera_d));
+        }
+        let sample = shade(facet, to_camera);
+        sum.radiance += sample.radiance;
+        sum.irradiance += sample.irradiance;
+        sum.fraction += sample.fraction;
+    }
+    let ground = max(hits, 1.0);
+    pixels_out[pixel] = Pixel(
+        sum.radiance / f32(SAMPLES),
+        sum.irradiance / ground,
+        sum.fraction / ground,
+        select(hits / f32(SAMPLES), -1.0, gap),
+    );
+}

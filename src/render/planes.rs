@@ -1,0 +1,144 @@
+//! From what a renderer sampled to the planes that the user asked for.
+//!
+//! Radiometric planes are means over a pixel's samples. Geometric planes belong to the ray through the
+//! pixel's centre and are computed here in f64, for every renderer alike.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::{Image, Plane, Quantity, Scene, View};
+use crate::geometry::{BodyFixed, Direction, Position};
+use crate::terrain::{Ground, Hit};
+
+/// What a renderer gives, pixel by pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    pub pixels: Vec<Radiometry>,
+    /// Hits of the rays through the pixels' centres; empty where no plane needs them.
+    pub centres: Vec<Option<Hit>>,
+}
+
+/// Means over a pixel. NaN where a sample saw ground without heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Radiometry {
+    pub radiance_w_m2_sr: f32,
+    /// Over the part of the pixel that the body covers; NaN where it covers none.
+    pub irradiance_w_m2: f32,
+    pub sun_fraction: f32,
+    /// Share of the samples that met the body.
+    pub hit: f32,
+}
+
+impl Quantity {
+    /// True for planes that belong to the ray through the pixel's centre.
+    pub fn is_geometric(self) -> bool {
+        use Quantity::*;
+        match self {
+            Radiance | GroundIrradiance | RadianceFactor | FocalPlaneIrradiance | SunFraction | Hit => false,
+            DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence | Emission | Phase
+            | GroundSampleDistance => true,
+        }
+    }
+}
+
+/// The planes of `scene.quantities`.
+pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
+    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let planes = scene.quantities.iter().flat_map(|&quantity| {
+        let channels = quantity.channels();
+        let values: Vec<[f32; 3]> = (0..columns * rows)
+            .into_par_iter()
+            .map(|index| {
+                let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
+                if quantity.is_geometric() {
+                    geometric(scene, view, quantity, pixel, samples.centres[index].as_ref())
+                } else {
+                    [radiometric(scene, view, quantity, pixel, &samples.pixels[index]), 0.0, 0.0]
+                }
+            })
+            .collect();
+        let plane = move |(channel, name): (usize, &&'static str)| Plane {
+            quantity,
+            name,
+            values: values.iter().map(|value| value[channel]).collect(),
+        };
+        channels.iter().enumerate().map(plane).collect::<Vec<_>>()
+    });
+    Image { columns, rows, planes: planes.collect() }
+}
+
+fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+    match quantity {
+        Quantity::Radiance => mean.radiance_w_m2_sr,
+        Quantity::GroundIrradiance => mean.irradiance_w_m2,
+        Quantity::SunFraction => mean.sun_fraction,
+        Quantity::Hit => mean.hit,
+        Quantity::RadianceFactor => {
+            let facing_w_m2 = view.lights.first().map_or(f64::NAN, |sun| sun.irradiance_w_m2);
+            (f64::from(mean.radiance_w_m2_sr) * std::f64::consts::PI / facing_w_m2) as f32
+        }
+        Quantity::FocalPlaneIrradiance => {
+            (f64::from(mean.radiance_w_m2_sr) * scene.optics.focal_plane_irradiance_factor(pixel)) as f32
+        }
+        _ => unreachable!("{quantity:?} is geometric"),
+    }
+}
+
+fn geometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, hit: Option<&Hit>) -> [f32; 3] {
+    let single = |value: f64| [value as f32, 0.0, 0.0];
+    let is_gap = hit.is_some_and(|hit| hit.ground == Ground::Gap);
+    if quantity == Quantity::DemGap {
+        return single(f64::from(u8::from(is_gap)));
+    }
+    let Some(hit) = hit.filter(|_| !is_gap) else { return [f32::NAN; 3] };
+    let body = &scene.surface.terrain.body;
+    let to_camera = hit.position.direction_to(view.camera_position);
+    let to_sun = view.lights.first().and_then(|sun| hit.position.direction_to(sun.position));
+    let normal = normal(scene, hit);
+    let angle = |a: Option<Direction<BodyFixed>>, b: Option<Direction<BodyFixed>>| {
+        single(a.zip(b).map_or(f64::NAN, |(a, b)| a.angle_to(b).to_degrees()))
+    };
+    match quantity {
+        Quantity::Range => single(hit.distance_m),
+        Quantity::Depth => {
+            let boresight = view.camera_from_body.inverse().turn(DVec3::Z);
+            single((hit.position.vector_m() - view.camera_position.vector_m()).dot(boresight))
+        }
+        Quantity::Normal => normal.unit().as_vec3().to_array(),
+        Quantity::Latitude => single(body.geodetic_from_position(hit.position).latitude_rad.to_degrees()),
+        Quantity::Longitude => {
+            single(body.geodetic_from_position(hit.position).longitude_east_rad.to_degrees().rem_euclid(360.0))
+        }
+        Quantity::Height => single(body.geodetic_from_position(hit.position).height_m),
+        Quantity::Incidence => angle(Some(normal), to_sun),
+        Quantity::Emission => angle(Some(normal), to_camera),
+        Quantity::Phase => angle(to_sun, to_camera),
+        Quantity::GroundSampleDistance => single(hit.distance_m * pixel_angle_rad(scene, pixel)),
+        _ => unreachable!("{quantity:?} is radiometric"),
+    }
+}
+
+/// The angle between a pixel's ray and the next column's.
+fn pixel_angle_rad(scene: &Scene, pixel: DVec2) -> f64 {
+    let here = scene.optics.direction(pixel);
+    let next = scene.optics.direction(pixel + DVec2::X);
+    here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
+}
+
+/// The outward normal of the ground at a hit, interpolated between the nodes' central differences.
+pub fn normal(scene: &Scene, hit: &Hit) -> Direction<BodyFixed> {
+    let terrain = &scene.surface.terrain;
+    match hit.ground {
+        Ground::Dem { face, level, lifted } => {
+            let face = &terrain.faces[face];
+            let gradient = face.levels[level].interpolated_gradient(lifted.truncate());
+            face.map.map_from_body.inverse() * face.map.normal(lifted, gradient)
+        }
+        Ground::Bare | Ground::Gap => bare_normal(scene, hit.position),
+    }
+}
+
+fn bare_normal(scene: &Scene, position: Position<BodyFixed>) -> Direction<BodyFixed> {
+    let body = &scene.surface.terrain.body;
+    body.up(body.geodetic_from_position(position))
+}

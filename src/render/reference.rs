@@ -1,0 +1,142 @@
+//! The renderer to be believed: f64, one ray at a time, meant to be read.
+//!
+//! ```text
+//! L = Σ lights  f_r(μ0, μ, g) · E,    E = E_n [V (n·s) + ρ (M_x n·e_x + M_y n·e_y)]
+//! ```
+//!
+//! `V` and `M` are the share and the first moment of the disc's light above the skyline and above the
+//! facet's own plane (`photometry::solar_disk`), `ρ` the disc's angular radius, `f_r` the BRDF. `μ0` is
+//! taken at the centroid of the visible part, `E/(E_n V)`, which stays positive where the disc's centre has
+//! set behind the facet.
+//!
+//! `passes` renders the same on the GPU; `tests/conformance` holds the two together.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::planes::{Radiometry, Samples, normal};
+use super::{Light, RenderError, Renderer, Scene, Shadows, View};
+use crate::geometry::{BodyFixed, Camera, Direction};
+use crate::photometry::{HorizonLine, SunAxes};
+use crate::shadow::{Disc, FourierMaps, Shadow, Site, Traced};
+use crate::terrain::{Ground, Hit};
+
+/// Renders on the CPU, in f64, on all cores.
+#[derive(Debug, Default)]
+pub struct Reference;
+
+impl Renderer for Reference {
+    fn adapter(&self) -> String {
+        "reference renderer (CPU, f64)".into()
+    }
+
+    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+        let shadow = shadow(scene);
+        let offsets = scene.sample_offsets();
+        let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+        let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
+        let pixels = (0..columns * rows)
+            .into_par_iter()
+            .map(|index| mean(scene, view, shadow.as_deref(), pixel(index), &offsets))
+            .collect();
+        let centres = if scene.needs_centres() {
+            (0..columns * rows).into_par_iter().map(|index| look(scene, view, pixel(index))).collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Samples { pixels, centres })
+    }
+}
+
+fn shadow(scene: &Scene) -> Option<Box<dyn Shadow + '_>> {
+    let surface = &scene.surface;
+    match &scene.shadows {
+        Shadows::None => None,
+        Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
+        Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
+    }
+}
+
+/// What the ray through an image point meets.
+fn look(scene: &Scene, view: &View, pixel: DVec2) -> Option<Hit> {
+    let direction: Direction<Camera> = scene.optics.direction(pixel)?;
+    scene.surface.intersect(view.camera_position, view.camera_from_body.inverse() * direction)
+}
+
+fn mean(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
+    let mut sum = Sample::default();
+    let mut hits = 0.0;
+    for &offset in offsets {
+        let Some(hit) = look(scene, view, pixel + offset) else { continue };
+        let sample = shade(scene, view, shadow, &hit);
+        sum.radiance += sample.radiance;
+        sum.irradiance += sample.irradiance;
+        sum.fraction += sample.fraction;
+        hits += 1.0;
+    }
+    Radiometry {
+        radiance_w_m2_sr: (sum.radiance / offsets.len() as f64) as f32,
+        irradiance_w_m2: (sum.irradiance / hits) as f32,
+        sun_fraction: (sum.fraction / hits) as f32,
+        hit: (hits / offsets.len() as f64) as f32,
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sample {
+    radiance: f64,
+    irradiance: f64,
+    fraction: f64,
+}
+
+/// Radiance towards the camera, and irradiance and share of the first light, at a hit.
+fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> Sample {
+    if hit.ground == Ground::Gap {
+        return Sample { radiance: f64::NAN, irradiance: f64::NAN, fraction: f64::NAN };
+    }
+    let to_camera = hit.position.direction_to(view.camera_position);
+    let normal = normal(scene, hit);
+    let mut sample = Sample::default();
+    for (index, light) in view.lights.iter().enumerate() {
+        let lit = illuminate(scene, shadow, hit, normal, light);
+        let Some((to_camera, to_light)) = to_camera.zip(hit.position.direction_to(light.position)) else { continue };
+        if lit.irradiance > 0.0 {
+            let mu0 = (lit.irradiance / (light.irradiance_w_m2 * lit.fraction)).min(1.0);
+            let mu = normal.unit().dot(to_camera.unit()).max(0.0);
+            let cos_phase = to_light.unit().dot(to_camera.unit());
+            sample.radiance += scene.reflectance.brdf_sr(mu0, mu, cos_phase) * lit.irradiance;
+        }
+        if index == 0 {
+            (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
+        }
+    }
+    sample
+}
+
+struct Lit {
+    irradiance: f64,
+    fraction: f64,
+}
+
+fn illuminate(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, normal: Direction<BodyFixed>, light: &Light) -> Lit {
+    let Some(towards) = hit.position.direction_to(light.position) else {
+        return Lit { irradiance: 0.0, fraction: 0.0 };
+    };
+    let radius_rad = light.angular_radius_rad;
+    let (seen, facet) = match hit.ground {
+        Ground::Dem { face, level, lifted } => {
+            let map = &scene.surface.terrain.faces[face].map;
+            let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
+            let facet = axes.facet(map.map_from_body * normal, radius_rad);
+            let disc = Disc { disk: &light.disk, axes, angular_radius_rad: radius_rad, facet };
+            let site = Site { map, face, level, lifted };
+            let seen = shadow.map_or_else(|| light.disk.light(HorizonLine::NONE, facet), |s| s.light(&site, &disc));
+            (seen, facet)
+        }
+        Ground::Bare | Ground::Gap => {
+            let facet = SunAxes::new(towards, normal).facet(normal, radius_rad);
+            (light.disk.light(HorizonLine::NONE, facet), facet)
+        }
+    };
+    Lit { irradiance: light.irradiance_w_m2 * seen.irradiance_factor(facet, radius_rad), fraction: seen.fraction }
+}

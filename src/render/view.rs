@@ -1,0 +1,66 @@
+//! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
+
+use crate::camera::Camera as Optics;
+use crate::geometry::{BodyFixed, Camera, Position, Rotation};
+use crate::horizon::HorizonMap;
+use crate::photometry::{Reflectance, SolarDisk};
+use crate::terrain::Surface;
+
+use super::Quantity;
+
+/// What stays the same from exposure to exposure.
+#[derive(Debug)]
+pub struct Scene {
+    pub surface: Surface,
+    pub shadows: Shadows,
+    pub reflectance: Reflectance,
+    pub optics: Optics,
+    /// Samples along each side of a pixel, on a regular grid.
+    pub samples_per_side: usize,
+    pub quantities: Vec<Quantity>,
+}
+
+/// Where the terrain's shadows come from.
+#[derive(Debug)]
+pub enum Shadows {
+    /// Only a facet's own plane shades it.
+    None,
+    /// Horizon maps by face and level.
+    Fourier(Vec<Vec<HorizonMap>>),
+    /// The believed horizon at every sample: slow, and only for the reference renderer.
+    Traced(crate::horizon::Settings),
+}
+
+/// What changes from exposure to exposure.
+#[derive(Debug, Clone)]
+pub struct View {
+    pub camera_position: Position<BodyFixed>,
+    pub camera_from_body: Rotation<Camera, BodyFixed>,
+    /// The Sun first.
+    pub lights: Vec<Light>,
+}
+
+/// A luminous disc.
+#[derive(Debug, Clone)]
+pub struct Light {
+    /// Apparent position: where the light seems to come from.
+    pub position: Position<BodyFixed>,
+    pub angular_radius_rad: f64,
+    /// Irradiance of a plane that faces it, in the camera's band.
+    pub irradiance_w_m2: f64,
+    pub disk: SolarDisk,
+}
+
+impl Scene {
+    /// True where any of the quantities needs the ray through the pixel's centre.
+    pub fn needs_centres(&self) -> bool {
+        self.quantities.iter().any(|quantity| quantity.is_geometric())
+    }
+
+    /// Offsets of the samples from the pixel's centre, in pixels.
+    pub fn sample_offsets(&self) -> Vec<glam::DVec2> {
+        let n = self.samples_per_side;
+        let offset = |i: usize| (i as f64 + 0.5) / n as f64 - 0.5;
+        (0..n * n).map(|i| glam::DVec2::new(offset(i % n), offset(i / n))).collect()
+    }
+}

@@ -1,0 +1,34 @@
+//! Shadows from Fourier-compressed horizon maps.
+//!
+//! Across a disc as small as the Sun's the skyline is straight: its elevation and slope at the azimuth of
+//! the disc's centre.
+//!
+//! # References
+//! Fritsch et al. (2025), horizon maps as truncated Fourier series.
+
+use super::{Disc, Shadow, Site};
+use crate::horizon::HorizonMap;
+use crate::photometry::{DiskLight, HorizonLine};
+use crate::terrain::Surface;
+
+/// Horizon maps by face and level.
+#[derive(Debug)]
+pub struct FourierMaps<'a> {
+    pub surface: &'a Surface,
+    pub maps: &'a [Vec<HorizonMap>],
+}
+
+impl Shadow for FourierMaps<'_> {
+    fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
+        let level = &self.surface.terrain.faces[site.face].levels[site.level];
+        let at_m = site.lifted.truncate();
+        let series = self.maps[site.face][site.level].horizon(level.grid_from_map(at_m) - level.margin as f64);
+        let towards = site.map.map_direction(at_m, disc.axes.sun);
+        let azimuth_rad = towards.x.atan2(towards.y);
+        let slope = series.slope(azimuth_rad) * site.map.azimuth_ratio(at_m, towards);
+        let sun_elevation_rad = site.map.up(at_m).unit().dot(disc.axes.sun.unit()).clamp(-1.0, 1.0).asin();
+        let elevation_rad = series.elevation_rad(azimuth_rad);
+        let line = HorizonLine::new(elevation_rad, slope, sun_elevation_rad, disc.angular_radius_rad);
+        disc.disk.light(line, disc.facet)
+    }
+}
