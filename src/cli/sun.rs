@@ -1,11 +1,230 @@
 //! `sim sun`.
 
+use std::path::PathBuf;
+
+use hifitime::{Duration, Epoch, Unit};
+use perilune::ephemeris::{
+    Almanac, BodyFrame, Horizontal, Source, default_kernel_folder, earth, horizontal, parse_epoch, sun, utc_text,
+};
+use perilune::geometry::{BodyFixed, Geodetic, Position};
+use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
+use serde_json::json;
+
 use super::Outcome;
 
 /// Where the Sun and the Earth stand in the sky of a place.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Body the place lies on.
+    #[arg(long, default_value = "moon")]
+    body: String,
+    /// Place as LATITUDE,LONGITUDE in degrees (longitude east), optionally with ,HEIGHT in metres.
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_place)]
+    at: Geodetic,
+    /// Epoch, as 2026-09-08T00:00:00 (UTC unless TDB, TT or TAI stands after it).
+    #[arg(long)]
+    epoch: String,
+    /// Last epoch of a series.
+    #[arg(long, requires = "step")]
+    until: Option<String>,
+    /// Step of a series, as 30min, 1h or 12.5s.
+    #[arg(long, requires = "until", value_parser = parse_step)]
+    step: Option<Duration>,
+    /// Kernel to load instead of the default ones; may be given several times.
+    #[arg(long = "kernel")]
+    kernels: Vec<PathBuf>,
+    /// Body-fixed frame, as MOON_ME_DE421; by default the best that the kernels have.
+    #[arg(long)]
+    frame: Option<String>,
+    /// Comma-separated values with a header.
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+    /// One JSON object a line, one line an epoch.
+    #[arg(long)]
+    json: bool,
+}
 
-pub fn run(_args: Args) -> Outcome {
-    Err("not built yet".into())
+/// One line of output.
+struct Row {
+    epoch: Epoch,
+    sun: Source,
+    sun_at: Horizontal,
+    earth: Source,
+    earth_at: Horizontal,
+}
+
+pub fn run(args: Args) -> Outcome {
+    let almanac = if args.kernels.is_empty() {
+        Almanac::default_kernels(&default_kernel_folder())?
+    } else {
+        Almanac::load(&args.kernels)?
+    };
+    let frame = almanac.body_frame(&args.body, args.frame.as_deref())?;
+    let point = frame.body.position_from_geodetic(args.at);
+    let epochs = epochs(&args)?;
+    if args.csv {
+        println!("{}", COLUMNS.join(","));
+    } else if !args.json {
+        println!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at));
+        println!("{}", table_header());
+    }
+    for epoch in epochs {
+        let row = Row::at(&almanac, &frame, args.at, point, epoch)?;
+        if args.json {
+            println!("{}", row.as_json(&frame));
+        } else if args.csv {
+            println!("{}", row.as_csv());
+        } else {
+            println!("{}", row.as_table_line());
+        }
+    }
+    Ok(())
+}
+
+/// The epochs asked for, the last one included where a step meets it.
+fn epochs(args: &Args) -> Result<Vec<Epoch>, Box<dyn std::error::Error>> {
+    /// A longer series is a slip of the pen.
+    const EPOCHS_AT_MOST: f64 = 1e6;
+    let first = parse_epoch(&args.epoch)?;
+    let (Some(until), Some(step)) = (&args.until, args.step) else { return Ok(vec![first]) };
+    let span_s = (parse_epoch(until)? - first).to_seconds();
+    let steps = span_s / step.to_seconds();
+    if !(0.0..EPOCHS_AT_MOST).contains(&steps) {
+        return Err(format!(
+            "--until {until} --step {step} gives {steps:.0} steps; allowed are 0 to {EPOCHS_AT_MOST:.0}"
+        )
+        .into());
+    }
+    // A nanosecond of grace keeps the last epoch against rounding.
+    let count = (steps + 1e-9).floor() as i64 + 1;
+    Ok((0..count).map(|i| first + step * i).collect())
+}
+
+fn parse_place(text: &str) -> Result<Geodetic, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse().map_err(|_| format!("`{part}` is not a number")))
+        .collect::<Result<_, _>>()?;
+    let (latitude_deg, longitude_deg, height_m) = match numbers[..] {
+        [latitude, longitude] => (latitude, longitude, 0.0),
+        [latitude, longitude, height] => (latitude, longitude, height),
+        _ => return Err("write it as LATITUDE,LONGITUDE or LATITUDE,LONGITUDE,HEIGHT".into()),
+    };
+    if !(-90.0..=90.0).contains(&latitude_deg) {
+        return Err(format!("latitude {latitude_deg} is outside [-90, 90] degrees"));
+    }
+    if !(-360.0..=360.0).contains(&longitude_deg) {
+        return Err(format!("longitude {longitude_deg} is outside [-360, 360] degrees"));
+    }
+    if !height_m.is_finite() {
+        return Err(format!("height {height_m} is not finite"));
+    }
+    Ok(Geodetic::from_degrees(latitude_deg, longitude_deg, height_m))
+}
+
+fn parse_step(text: &str) -> Result<Duration, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[digits.len()..].trim() {
+        "s" | "" => Unit::Second,
+        "min" => Unit::Minute,
+        "h" => Unit::Hour,
+        "d" => Unit::Day,
+        other => return Err(format!("unit `{other}` is unknown; allowed are s, min, h and d")),
+    };
+    match digits.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number * unit),
+        _ => Err(format!("`{digits}` is not a positive number")),
+    }
+}
+
+fn place_text(at: Geodetic) -> String {
+    format!("{}°, {}° E, {} m", at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees(), at.height_m)
+}
+
+const COLUMNS: [&str; 9] = [
+    "epoch_utc",
+    "sun_azimuth_deg",
+    "sun_elevation_deg",
+    "sun_angular_diameter_arcsec",
+    "sun_range_au",
+    "sun_irradiance_w_m2",
+    "earth_azimuth_deg",
+    "earth_elevation_deg",
+    "earth_range_km",
+];
+
+fn table_header() -> String {
+    format!(
+        "{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>13}{:>11}{:>15}\n{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>13}{:>11}{:>15}",
+        "epoch",
+        "Sun azimuth",
+        "elevation",
+        "diameter",
+        "range",
+        "irrad.",
+        "Earth azimuth",
+        "elevation",
+        "range",
+        "UTC",
+        "deg",
+        "deg",
+        "arcsec",
+        "au",
+        "W/m²",
+        "deg",
+        "deg",
+        "km"
+    )
+}
+
+impl Row {
+    fn at(
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        at: Geodetic,
+        point: Position<BodyFixed>,
+        epoch: Epoch,
+    ) -> Result<Self, Box<dyn std::error::Error>> {
+        let (sun, earth) = (sun(almanac, frame, point, epoch)?, earth(almanac, frame, point, epoch)?);
+        let sun_at = horizontal(&frame.body, at, sun.direction);
+        let earth_at = horizontal(&frame.body, at, earth.direction);
+        Ok(Self { epoch, sun, sun_at, earth, earth_at })
+    }
+
+    /// The numbers in the order and units of [`COLUMNS`].
+    fn numbers(&self) -> [f64; 8] {
+        [
+            self.sun_at.azimuth_rad.to_degrees(),
+            self.sun_at.elevation_rad.to_degrees(),
+            2.0 * self.sun.angular_radius_rad.to_degrees() * 3600.0,
+            self.sun.distance_m / ASTRONOMICAL_UNIT_M,
+            self.sun.irradiance_w_m2(TOTAL_SOLAR_IRRADIANCE_W_M2),
+            self.earth_at.azimuth_rad.to_degrees(),
+            self.earth_at.elevation_rad.to_degrees(),
+            self.earth.distance_m / 1000.0,
+        ]
+    }
+
+    fn as_json(&self, frame: &BodyFrame) -> serde_json::Value {
+        let mut object = serde_json::Map::from_iter([
+            ("epoch_utc".to_owned(), json!(utc_text(self.epoch))),
+            ("frame".to_owned(), json!(frame.frame_name)),
+        ]);
+        object.extend(COLUMNS[1..].iter().zip(self.numbers()).map(|(key, number)| ((*key).to_owned(), json!(number))));
+        object.into()
+    }
+
+    fn as_csv(&self) -> String {
+        let [az, el, diameter, au, irradiance, earth_az, earth_el, km] = self.numbers();
+        let epoch = utc_text(self.epoch);
+        format!("{epoch},{az:.6},{el:.6},{diameter:.3},{au:.11},{irradiance:.4},{earth_az:.6},{earth_el:.6},{km:.3}")
+    }
+
+    fn as_table_line(&self) -> String {
+        let [az, el, diameter, au, irradiance, earth_az, earth_el, km] = self.numbers();
+        let epoch = utc_text(self.epoch);
+        format!(
+            "{epoch:<24}{az:>12.5}{el:>11.5}{diameter:>12.3}{au:>11.7}{irradiance:>10.3}{earth_az:>13.5}{earth_el:>11.5}{km:>15.3}"
+        )
+    }
 }

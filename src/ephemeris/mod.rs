@@ -1,1 +1,20 @@
-//! To come.
+//! When things are where.
+mod almanac;
+mod daf;
+mod default_kernels;
+mod epoch;
+mod error;
+mod kernel;
+mod manifest;
+mod names;
+mod sun;
+
+pub use almanac::{Almanac, BodyFrame, Orientation};
+pub use daf::{DafError, Kind, Segment};
+pub use default_kernels::{DEFAULT_KERNELS, default_kernel_folder, default_span, make_default_kernels};
+pub use epoch::{parse_epoch, utc_text};
+pub use error::EphemerisError;
+pub use kernel::{Format, Kernel, sha256_hex};
+pub use manifest::{KnownFile, known_file, known_files};
+pub use names::{body_id, body_name, frame_name};
+pub use sun::{EARTH_RADIUS_M, Horizontal, Source, apparent, earth, horizontal, sun};

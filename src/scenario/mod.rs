@@ -1,1 +1,32 @@
-//! To come.
+//! What the user wrote, and what it means.
+//!
+//! A scenario is one RON file. [`Spec`] holds it exactly as written: degrees, millimetres, file names.
+//! [`resolve`] turns it into a [`Scenario`]: SI and radians, instants with their scale, files found. All
+//! problems of a file are reported together, each with line, column, key, what was got and what is allowed.
+//!
+//! ```text
+//! text --tree--> Tree (values with line and column) --structure--> keys, types, ranges
+//! text --ron---> Spec --resolve--> Scenario
+//! ```
+//!
+//! The allowed range of a number stands once, beside its field in [`spec`]: the JSON schema carries it to the
+//! check ([`structure`]) and to the printed reference ([`reference`]).
+
+mod camera;
+mod epoch;
+mod error;
+mod files;
+mod motion;
+mod resolve;
+mod resolved;
+mod structure;
+mod tree;
+mod world;
+
+pub mod spec;
+
+pub use error::{Fault, Problem, ScenarioError};
+pub use files::Places;
+pub use resolve::{About, load, resolve};
+pub use resolved::*;
+pub use spec::Spec;

@@ -1,0 +1,190 @@
+//! Instants as text.
+//!
+//! An `Epoch` read here counts SI seconds (it is kept in TAI), so that adding a duration crosses a leap second
+//! rightly and `23:59:60` is an instant of its own. `hifitime` alone makes it the second before, and skips a
+//! second when a duration is added to an epoch kept in UTC.
+
+use hifitime::{Duration, Epoch, TimeScale, Unit};
+
+use super::EphemerisError;
+
+/// Reads a date of the calendar or of the year (`2026-251T…`), in UTC where no scale stands after it.
+pub fn parse_epoch(text: &str) -> Result<Epoch, EphemerisError> {
+    parse_in_scale(text, TimeScale::UTC).map_err(|problem| EphemerisError::Epoch { text: text.to_owned(), problem })
+}
+
+/// As [`parse_epoch`], with the scale to assume where none is written.
+pub(super) fn parse_in_scale(text: &str, default_scale: TimeScale) -> Result<Epoch, &'static str> {
+    let (date_time, scale) = split_scale(text.trim(), default_scale)?;
+    let (date, time) = date_time.split_once(['T', ' ']).unwrap_or((date_time, "00:00:00"));
+    let (year, month, day) = parse_date(date)?;
+    let (hour, minute, second, nanos) = parse_time(time)?;
+    let epoch = Epoch::maybe_from_gregorian(year, month, day, hour, minute, second, nanos, scale)
+        .map_err(|_| "there is no such date or time")?
+        .to_time_scale(TimeScale::TAI);
+    Ok(if second == 60 { epoch + 1.0 * Unit::Second } else { epoch })
+}
+
+fn split_scale(text: &str, default_scale: TimeScale) -> Result<(&str, TimeScale), &'static str> {
+    if let Some(date_time) = text.strip_suffix(['Z', 'z']) {
+        return Ok((date_time, TimeScale::UTC));
+    }
+    let scales = [
+        (" UTC", TimeScale::UTC),
+        (" TDB", TimeScale::TDB),
+        (" ET", TimeScale::ET),
+        (" TT", TimeScale::TT),
+        (" TAI", TimeScale::TAI),
+    ];
+    if let Some((suffix, scale)) = scales.into_iter().find(|(suffix, _)| text.ends_with(suffix)) {
+        return Ok((text[..text.len() - suffix.len()].trim_end(), scale));
+    }
+    if text.ends_with(|c: char| c.is_alphabetic()) {
+        Err("the time scale is unknown")
+    } else {
+        Ok((text, default_scale))
+    }
+}
+
+fn parse_date(date: &str) -> Result<(i32, u8, u8), &'static str> {
+    let parts: Vec<&str> = date.split('-').collect();
+    let number = |part: &str, digits: usize| -> Result<u16, &'static str> {
+        let digits = digits_only(part).filter(|part| part.len() == digits);
+        digits.and_then(|digits| digits.parse().ok()).ok_or("the date is not YYYY-MM-DD")
+    };
+    match parts[..] {
+        [year, month, day] => Ok((number(year, 4)?.into(), number(month, 2)? as u8, number(day, 2)? as u8)),
+        [year, day] => calendar_date(number(year, 4)?.into(), number(day, 3)?),
+        _ => Err("the date is not YYYY-MM-DD"),
+    }
+}
+
+/// Month and day of a day of the year.
+fn calendar_date(year: i32, day_of_year: u16) -> Result<(i32, u8, u8), &'static str> {
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let lengths = [31, if leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let mut day = day_of_year;
+    for (month, length) in (1..).zip(lengths) {
+        if (1..=length).contains(&day) {
+            return Ok((year, month, day as u8));
+        }
+        day = day.saturating_sub(length);
+    }
+    Err("there is no such day of the year")
+}
+
+fn parse_time(time: &str) -> Result<(u8, u8, u8, u32), &'static str> {
+    const PROBLEM: &str = "the time is not HH:MM:SS";
+    let (whole, fraction) = time.split_once('.').unwrap_or((time, ""));
+    let fields: Vec<u8> = whole
+        .split(':')
+        .map(|part| digits_only(part).filter(|part| part.len() == 2).and_then(|part| part.parse().ok()).ok_or(PROBLEM))
+        .collect::<Result<_, _>>()?;
+    let nanos = match fraction {
+        "" => 0,
+        _ => format!("{:0<9.9}", digits_only(fraction).ok_or(PROBLEM)?).parse().map_err(|_| PROBLEM)?,
+    };
+    match fields[..] {
+        [hour, minute] if nanos == 0 => Ok((hour, minute, 0, 0)),
+        [hour, minute, second] => Ok((hour, minute, second, nanos)),
+        _ => Err(PROBLEM),
+    }
+}
+
+fn digits_only(text: &str) -> Option<&str> {
+    (!text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())).then_some(text)
+}
+
+/// An instant as `2026-09-08T00:00:00Z`, rounded to milliseconds and with these only where they are not zero.
+pub fn utc_text(epoch: Epoch) -> String {
+    let (utc, in_leap_second) = utc(epoch.to_time_scale(TimeScale::TAI).round(Duration::from_milliseconds(1.0)));
+    let (year, month, day, hour, minute, second, nanos) = utc.to_gregorian_utc();
+    let second = if in_leap_second { 60 } else { second };
+    let fraction = if nanos == 0 { String::new() } else { format!(".{:03}", nanos / 1_000_000) };
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
+}
+
+/// An instant in UTC, and whether it lies in a leap second (then in UTC one second early).
+///
+/// `hifitime` turns UTC into TAI rightly, but TAI into UTC one second early in the half minute before a leap second.
+fn utc(tai: Epoch) -> (Epoch, bool) {
+    let utc = tai.to_time_scale(TimeScale::UTC);
+    let late = |utc: Epoch| (tai - utc.to_time_scale(TimeScale::TAI)).to_seconds().round();
+    if late(utc) == 0.0 {
+        return (utc, false);
+    }
+    let next = utc + 1.0 * Unit::Second;
+    if late(next) == 0.0 { (next, false) } else { (utc, true) }
+}
+
+/// TDB seconds past J2000 as text in UTC, for coverage.
+pub(super) fn et_text(et_s: f64) -> String {
+    utc_text(Epoch::from_et_seconds(et_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hard case 37. The pair of UTC and TDB is from the calendar: TAI - UTC was 31 s, TT - TAI is 32.184 s.
+    #[test]
+    fn a_leap_second_is_an_instant_of_its_own() {
+        let before = parse_epoch("1998-12-31T23:59:59").unwrap();
+        let leap = parse_epoch("1998-12-31T23:59:60").unwrap();
+        let after = parse_epoch("1999-01-01T00:00:00").unwrap();
+        assert_eq!((leap - before).to_seconds(), 1.0);
+        assert_eq!((after - leap).to_seconds(), 1.0);
+        assert_eq!((after - before).to_seconds(), 2.0);
+        let tt = parse_epoch("1999-01-01T00:01:03.184 TT").unwrap();
+        assert_eq!((leap - tt).to_seconds(), 0.0);
+        for text in ["1998-12-31T23:59:59Z", "1998-12-31T23:59:60Z", "1998-12-31T23:59:60.250Z", "1999-01-01T00:00:00Z"]
+        {
+            assert_eq!(utc_text(parse_epoch(text).unwrap()), text);
+        }
+        assert_eq!(utc_text(before + 1.0 * Unit::Second), "1998-12-31T23:59:60Z");
+    }
+
+    #[test]
+    fn utc_and_tdb_differ_by_69_seconds_since_2017() {
+        let difference_s = (parse_epoch("2026-01-01T00:00:00 UTC").unwrap()
+            - parse_epoch("2026-01-01T00:00:00 TDB").unwrap())
+        .to_seconds();
+        // 37 s + 32.184 s, and TDB - TT is at most 1.7 ms.
+        assert!((difference_s - 69.184).abs() < 2e-3, "{difference_s} s");
+    }
+
+    #[test]
+    fn a_day_of_the_year_is_a_date() {
+        let pairs = [
+            ("2024-060T12:00:00", "2024-02-29T12:00:00"),
+            ("2025-365", "2025-12-31"),
+            ("2000-001T00:00", "2000-01-01"),
+        ];
+        for (ordinal, calendar) in pairs {
+            assert_eq!(parse_epoch(ordinal).unwrap(), parse_epoch(calendar).unwrap());
+        }
+    }
+
+    #[test]
+    fn what_is_no_epoch_is_refused() {
+        for text in [
+            "",
+            "now",
+            "2026",
+            "2026-13-01",
+            "2026-02-30",
+            "2025-366",
+            "2026-01-01T25:00:00",
+            "2026-01-01T00:00:60",
+            "2026-01-01T0:00:00",
+            "2026-01-01T00:00:00 XYZ",
+            "2026-1-1-1",
+            "2026-01-01T12:30.5",
+            "+026-01-01",
+            "1998-12-31T23:59:61",
+            "2026-001-01",
+        ] {
+            assert!(parse_epoch(text).is_err(), "{text}");
+        }
+    }
+}

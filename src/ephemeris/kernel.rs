@@ -1,0 +1,245 @@
+//! Kernel files: what kind they are, what they cover, their SHA-256.
+
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+use anise::naif::kpl::KPLItem;
+use anise::naif::kpl::fk::FKItem;
+use anise::naif::kpl::parser::parse_bytes;
+use anise::naif::kpl::tpc::TPCItem;
+use anise::structure::{EulerParameterDataSet, PlanetaryDataSet};
+use sha2::{Digest, Sha256};
+
+use super::daf::{self, DafError, Kind, Segment};
+use super::epoch::et_text;
+use super::names::{body_name, frame_name};
+use super::{EphemerisError, known_file};
+
+/// A kernel file and what it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kernel {
+    pub path: PathBuf,
+    /// The file's name without its folder, as manifests state it.
+    pub name: String,
+    pub sha256: String,
+    pub format: Format,
+    /// Positions and tabulated orientations over spans of time.
+    pub segments: Vec<Segment>,
+    /// Bodies whose size, mass or rotation are given as constants.
+    pub constants_of: Vec<i32>,
+    /// Frames defined by a constant rotation.
+    pub fixed_frames: Vec<i32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    Spk,
+    BinaryPck,
+    /// A text kernel: PCK, FK or leap seconds. The last change nothing, since the program knows them.
+    Text,
+    /// ANISE's `.pca` or `.epa`.
+    Anise,
+}
+
+/// The data of a kernel, ready for the almanac.
+pub(super) enum Contents {
+    Daf(Vec<u8>),
+    Text { bodies: HashMap<i32, TPCItem>, frames: HashMap<i32, FKItem> },
+    Bodies(PlanetaryDataSet),
+    Frames(EulerParameterDataSet),
+}
+
+impl Kernel {
+    /// Reads what a file covers, without checking that all of it can be used.
+    pub fn open(path: &Path) -> Result<Self, EphemerisError> {
+        Self::read(path).map(|(kernel, _)| kernel)
+    }
+
+    pub(super) fn read(path: &Path) -> Result<(Self, Contents), EphemerisError> {
+        let bytes = std::fs::read(path).map_err(|source| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let hint = known_file(&name).map(|file| format!("; it is {}; get it from {}", file.what, file.source));
+            EphemerisError::Unreadable { path: path.to_owned(), hint: hint.unwrap_or_default(), source }
+        })?;
+        let sha256 = sha256_hex(&bytes);
+        let contents = Contents::from_bytes(path, bytes)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let (format, segments) = match &contents {
+            Contents::Daf(bytes) => {
+                let segments = daf::read_segments(bytes).map_err(|source| corrupted(path, source))?;
+                let format = if segments[0].kind == Kind::Spk { Format::Spk } else { Format::BinaryPck };
+                (format, segments)
+            }
+            Contents::Text { .. } => (Format::Text, Vec::new()),
+            Contents::Bodies(_) | Contents::Frames(_) => (Format::Anise, Vec::new()),
+        };
+        let (constants_of, fixed_frames) = contents.ids();
+        Ok((Self { path: path.to_owned(), name, sha256, format, segments, constants_of, fixed_frames }, contents))
+    }
+
+    /// The kernel as lines of text: format, SHA-256, then a line for each segment and list of constants.
+    pub fn describe(&self) -> Vec<String> {
+        let mut lines = vec![format!("{}: {:?}, sha256 {}", self.path.display(), self.format, self.sha256)];
+        lines.extend(self.segments.iter().map(|segment| {
+            let [start, end] = segment.span_utc();
+            format!("  {:<44} {start} to {end}  type {}  `{}`", segment.subject(), segment.data_type, segment.name)
+        }));
+        let list = |ids: &[i32], name: fn(i32) -> String| ids.iter().map(|id| name(*id)).collect::<Vec<_>>().join(", ");
+        if !self.constants_of.is_empty() {
+            lines.push(format!("  constants of {}", list(&self.constants_of, body_name)));
+        }
+        if !self.fixed_frames.is_empty() {
+            lines.push(format!("  frames {}", list(&self.fixed_frames, frame_name)));
+        }
+        lines
+    }
+}
+
+impl Segment {
+    /// What the segment tells of: `moon (301) from earth-moon barycenter (3) in ICRF`.
+    pub fn subject(&self) -> String {
+        let with_id = |id: i32| {
+            if body_name(id) == id.to_string() { id.to_string() } else { format!("{} ({id})", body_name(id)) }
+        };
+        match self.center_id {
+            Some(center) => {
+                format!(
+                    "{} from {} in {}",
+                    with_id(self.target_id),
+                    with_id(center),
+                    frame_name(self.inertial_frame_id)
+                )
+            }
+            None => {
+                format!("{} ({}) in {}", frame_name(self.target_id), self.target_id, frame_name(self.inertial_frame_id))
+            }
+        }
+    }
+
+    /// First and last epoch as text.
+    pub fn span_utc(&self) -> [String; 2] {
+        [self.start_et_s, self.end_et_s].map(et_text)
+    }
+
+    pub(super) fn covers(&self, et_s: f64) -> bool {
+        (self.start_et_s..=self.end_et_s).contains(&et_s)
+    }
+}
+
+impl Contents {
+    fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, EphemerisError> {
+        let unsupported = |found| EphemerisError::Unsupported { path: path.to_owned(), found };
+        if bytes.is_empty() {
+            return Err(corrupted(path, DafError::Empty));
+        }
+        if daf::is_daf(&bytes) {
+            return match bytes.get(..8) {
+                Some(b"DAF/CK  ") => Err(unsupported("a CK (spacecraft attitude)")),
+                Some(b"DAF/SPK " | b"DAF/PCK ") if bytes.len() >= 96 && !daf::has_native_order(&bytes) => {
+                    daf::read_segments(&bytes).map_err(|source| corrupted(path, source))?;
+                    Err(unsupported("a kernel in the other byte order (convert it with NAIF's bingo)"))
+                }
+                _ => Ok(Self::Daf(bytes)),
+            };
+        }
+        if bytes.starts_with(b"version https://git-lfs") {
+            return Err(unsupported("a Git LFS pointer, not the file it stands for"));
+        }
+        if bytes.starts_with(b"KPL/") || find(&bytes, b"\\begindata") {
+            let text = with_c_exponents(&String::from_utf8_lossy(&bytes));
+            return Ok(Self::Text { bodies: parse_text(&text), frames: parse_text(&text) });
+        }
+        if let Ok(bodies) = PlanetaryDataSet::try_from_bytes(&bytes[..]) {
+            return Ok(Self::Bodies(bodies));
+        }
+        match EulerParameterDataSet::try_from_bytes(&bytes[..]) {
+            Ok(frames) => Ok(Self::Frames(frames)),
+            Err(_) => Err(unsupported("of no known kind")),
+        }
+    }
+
+    /// Ids of the bodies and of the frames given as constants, sorted.
+    fn ids(&self) -> (Vec<i32>, Vec<i32>) {
+        let sorted = |ids: BTreeSet<i32>| ids.into_iter().collect::<Vec<_>>();
+        match self {
+            Self::Daf(_) => (Vec::new(), Vec::new()),
+            Self::Text { bodies, frames } => {
+                let frames = frames.iter().filter(|(_, frame)| !frame.data.is_empty()).map(|(id, _)| *id);
+                (sorted(bodies.keys().copied().collect()), sorted(frames.collect()))
+            }
+            Self::Bodies(set) => (sorted(set.lut.by_id.keys().copied().collect()), Vec::new()),
+            Self::Frames(set) => (Vec::new(), sorted(set.lut.by_id.keys().copied().collect())),
+        }
+    }
+}
+
+fn corrupted(path: &Path, source: DafError) -> EphemerisError {
+    EphemerisError::Corrupted { path: path.to_owned(), source }
+}
+
+fn find(bytes: &[u8], pattern: &[u8]) -> bool {
+    bytes.windows(pattern.len()).any(|window| window == pattern)
+}
+
+fn parse_text<Item: KPLItem>(text: &str) -> HashMap<i32, Item> {
+    parse_bytes(&mut text.as_bytes(), false).expect("reading from memory does not fail")
+}
+
+/// Turns Fortran's exponents (`-1.4D-12`) into C's.
+///
+/// `anise` 0.10.6 reads a vector's element with a `D` as 0, which drops a term of the Moon's rotation
+/// (0.42″ in 2024).
+fn with_c_exponents(text: &str) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for i in 1..bytes.len().saturating_sub(1) {
+        let mantissa = bytes[i - 1].is_ascii_digit() || bytes[i - 1] == b'.';
+        let exponent = bytes[i + 1].is_ascii_digit() || matches!(bytes[i + 1], b'+' | b'-');
+        if matches!(bytes[i], b'D' | b'd') && mantissa && exponent {
+            bytes[i] = b'E';
+        }
+    }
+    String::from_utf8(bytes).expect("only ASCII was replaced by ASCII")
+}
+
+/// SHA-256 in hexadecimal digits.
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fortran_exponents_become_c_exponents() {
+        let text = "BODY301_PM = ( 38.3213 13.17635815 -1.4D-12 ) 1.d3 2D+2 BODY3D4 MOON_ME_DE421 D5";
+        let expected = "BODY301_PM = ( 38.3213 13.17635815 -1.4E-12 ) 1.E3 2E+2 BODY3E4 MOON_ME_DE421 D5";
+        assert_eq!(with_c_exponents(text), expected);
+    }
+
+    #[test]
+    fn files_of_other_kinds_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let cases: [(&[u8], &str); 5] = [
+            (b"", "it lists no segments"),
+            (b"DAF/CK  and more", "a CK"),
+            (b"version https://git-lfs.github.com/spec/v1", "Git LFS"),
+            (b"\x89PNG and more", "of no known kind"),
+            (b"DAF/SPK cut", "it ends at byte 11"),
+        ];
+        for (bytes, expected) in cases {
+            let path = folder.path().join("file.bsp");
+            std::fs::write(&path, bytes).unwrap();
+            let error = Kernel::open(&path).unwrap_err();
+            let text =
+                format!("{error}: {}", std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default());
+            assert!(text.contains(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_missing_file_that_is_known_tells_where_it_can_be_had() {
+        let error = Kernel::open(Path::new("nowhere/de440s.bsp")).unwrap_err().to_string();
+        assert!(error.contains("nowhere/de440s.bsp") && error.contains("naif.jpl.nasa.gov"), "{error}");
+    }
+}

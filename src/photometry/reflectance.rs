@@ -1,0 +1,293 @@
+//! Radiance of the ground per irradiance of the ground: the bidirectional reflectance distribution function.
+//!
+//! With `μ0 = cos i`, `μ = cos e`, `g` the phase angle and `A` the normal albedo, `BRDF = L/E = RADF/(π μ0)`:
+//!
+//! ```text
+//! Lambert           A/π
+//! Lommel–Seeliger   A/π · 2/(μ0 + μ)
+//! lunar-Lambert     A/π · [2 L(g)/(μ0 + μ) + 1 − L(g)]     L = 1 − 0.019 g + 0.242e-3 g² − 1.46e-6 g³, g in deg, L ≥ 0
+//! Minnaert          A/π · (μ0 μ)^(k−1)
+//! Hapke             see `Hapke`
+//! ```
+//!
+//! Every law is symmetric in `i` and `e`. Cosines below 1e-6 count as 1e-6, so that every value is finite. At the
+//! terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
+//!
+//! # Assumptions
+//! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.4 % of the lunar opposition surge.
+//! - The Sun is a point for the phase angle; the surge inside `g < r` is not flattened.
+//!
+//! `reflectance.wgsl` does the same; `tests/conformance/photometry.rs` holds the two together.
+//!
+//! # References
+//! McEwen (1996), LPSC XXVII, 841, for the lunar-Lambert weight (as in ISIS `LunarLambertMcEwen`);
+//! Minnaert (1941), ApJ 93, 403.
+
+use std::f64::consts::PI;
+
+use super::{Hapke, MultipleScattering, PhotometryError};
+
+/// A law of reflection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reflectance {
+    Lambert { normal_albedo: f64 },
+    LommelSeeliger { normal_albedo: f64 },
+    LunarLambert { normal_albedo: f64 },
+    Minnaert { normal_albedo: f64, exponent: f64 },
+    Hapke(Hapke),
+}
+
+/// The parameters of all laws, as `reflectance.wgsl` reads them. Those of other laws are 0.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct ReflectanceParameters {
+    pub normal_albedo: f32,
+    pub exponent: f32,
+    pub single_scattering_albedo: f32,
+    pub asymmetry: f32,
+    pub backscatter: f32,
+    pub shadow_hiding_amplitude: f32,
+    pub shadow_hiding_width: f32,
+    pub coherent_amplitude: f32,
+    pub coherent_width: f32,
+    pub mean_slope_tan: f32,
+    pub porosity_factor: f32,
+    /// The year of the function `H`: 1981 or 2002.
+    pub multiple_scattering: f32,
+}
+
+/// Cosines of incidence and emission count as no less.
+const LEAST_COSINE: f64 = 1e-6;
+
+impl Reflectance {
+    /// Checks every parameter against the law's domain.
+    pub fn check(&self) -> Result<(), PhotometryError> {
+        let outside = |parameter, got, allowed| PhotometryError::OutOfRange { parameter, got, allowed };
+        match *self {
+            Self::Hapke(hapke) => hapke.check(),
+            Self::Lambert { normal_albedo }
+            | Self::LommelSeeliger { normal_albedo }
+            | Self::LunarLambert { normal_albedo }
+            | Self::Minnaert { normal_albedo, .. }
+                if !(0.0..=1.0).contains(&normal_albedo) =>
+            {
+                Err(outside("normal_albedo", normal_albedo, "[0, 1]"))
+            }
+            Self::Minnaert { exponent, .. } if !(0.5..=1.5).contains(&exponent) => {
+                Err(outside("exponent", exponent, "[0.5, 1.5]"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Radiance over irradiance of the ground, from the cosines of incidence, emission and phase angle.
+    pub fn brdf_sr(&self, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
+        let mu0 = incidence_cosine.clamp(LEAST_COSINE, 1.0);
+        let mu = emission_cosine.clamp(LEAST_COSINE, 1.0);
+        let phase_cosine = phase_cosine.clamp(-1.0, 1.0);
+        match *self {
+            Self::Lambert { normal_albedo } => normal_albedo / PI,
+            Self::LommelSeeliger { normal_albedo } => normal_albedo / PI * 2.0 / (mu0 + mu),
+            Self::LunarLambert { normal_albedo } => {
+                let weight = lunar_lambert_weight(phase_cosine.acos().to_degrees());
+                normal_albedo / PI * (2.0 * weight / (mu0 + mu) + 1.0 - weight)
+            }
+            Self::Minnaert { normal_albedo, exponent } => normal_albedo / PI * (mu0 * mu).powf(exponent - 1.0),
+            Self::Hapke(hapke) => hapke.brdf_sr(mu0, mu, phase_cosine),
+        }
+    }
+
+    /// `π L` over the irradiance of a plane that faces the Sun: the I/F of spacecraft images.
+    pub fn radiance_factor(&self, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
+        PI * incidence_cosine.max(0.0) * self.brdf_sr(incidence_cosine, emission_cosine, phase_cosine)
+    }
+
+    /// The `override` value that picks the law in `reflectance.wgsl`.
+    pub fn constant(&self) -> (&'static str, f64) {
+        let model = match self {
+            Self::Lambert { .. } => 0.0,
+            Self::LommelSeeliger { .. } => 1.0,
+            Self::LunarLambert { .. } => 2.0,
+            Self::Minnaert { .. } => 3.0,
+            Self::Hapke(_) => 4.0,
+        };
+        ("REFLECTANCE_MODEL", model)
+    }
+
+    pub fn parameters(&self) -> ReflectanceParameters {
+        let none = ReflectanceParameters::default();
+        match *self {
+            Self::Lambert { normal_albedo }
+            | Self::LommelSeeliger { normal_albedo }
+            | Self::LunarLambert { normal_albedo } => {
+                ReflectanceParameters { normal_albedo: normal_albedo as f32, ..none }
+            }
+            Self::Minnaert { normal_albedo, exponent } => {
+                ReflectanceParameters { normal_albedo: normal_albedo as f32, exponent: exponent as f32, ..none }
+            }
+            Self::Hapke(hapke) => ReflectanceParameters {
+                single_scattering_albedo: hapke.single_scattering_albedo as f32,
+                asymmetry: hapke.asymmetry as f32,
+                backscatter: hapke.backscatter as f32,
+                shadow_hiding_amplitude: hapke.shadow_hiding_amplitude as f32,
+                shadow_hiding_width: hapke.shadow_hiding_width as f32,
+                coherent_amplitude: hapke.coherent_amplitude as f32,
+                coherent_width: hapke.coherent_width as f32,
+                mean_slope_tan: hapke.mean_slope_rad.tan() as f32,
+                porosity_factor: hapke.porosity_factor() as f32,
+                multiple_scattering: match hapke.multiple_scattering {
+                    MultipleScattering::Hapke1981 => 1981.0,
+                    MultipleScattering::Hapke2002 => 2002.0,
+                },
+                ..none
+            },
+        }
+    }
+}
+
+/// Share of the Lommel–Seeliger term for the Moon; the fit turns negative beyond 104°, where 0 is taken.
+fn lunar_lambert_weight(phase_deg: f64) -> f64 {
+    (1.0 + phase_deg * (-0.019 + phase_deg * (0.242e-3 - 1.46e-6 * phase_deg))).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photometry::quadrature::{gauss_legendre, integrate};
+
+    fn radiance_factor(law: Reflectance, phase_deg: f64, incidence_deg: f64, emission_deg: f64) -> f64 {
+        let [phase, incidence, emission] = [phase_deg, incidence_deg, emission_deg].map(|x: f64| x.to_radians().cos());
+        law.radiance_factor(incidence, emission, phase)
+    }
+
+    fn laws() -> [Reflectance; 7] {
+        [
+            Reflectance::Lambert { normal_albedo: 0.12 },
+            Reflectance::LommelSeeliger { normal_albedo: 0.12 },
+            Reflectance::LunarLambert { normal_albedo: 0.12 },
+            Reflectance::Minnaert { normal_albedo: 0.12, exponent: 0.7 },
+            Reflectance::Hapke(Hapke::moon()),
+            Reflectance::Hapke(Hapke { coherent_amplitude: 0.5, coherent_width: 0.05, ..Hapke::moon() }),
+            Reflectance::Hapke(Hapke { filling_factor: 0.3, mean_slope_rad: 0.0, ..Hapke::moon() }),
+        ]
+    }
+
+    /// USGS ISIS, `Hapke.truth`: six digits.
+    #[test]
+    fn hapke_gives_the_values_of_isis() {
+        let plain = Hapke {
+            single_scattering_albedo: 0.5,
+            asymmetry: 0.0,
+            backscatter: 0.0,
+            shadow_hiding_amplitude: 0.0,
+            shadow_hiding_width: 0.0,
+            coherent_amplitude: 0.0,
+            coherent_width: 0.0,
+            mean_slope_rad: 0.0,
+            filling_factor: 0.0,
+            multiple_scattering: MultipleScattering::Hapke1981,
+        };
+        let rough = Hapke {
+            single_scattering_albedo: 0.52,
+            shadow_hiding_amplitude: 1.0,
+            shadow_hiding_width: 1.0,
+            mean_slope_rad: 30f64.to_radians(),
+            ..plain
+        };
+        let mars = Hapke { asymmetry: 0.213, backscatter: 1.0, ..rough };
+        for (hapke, overhead, oblique) in
+            [(plain, 0.0965097, 0.0832883), (mars, 0.286048, 0.1342), (rough, 0.16145, 0.111525)]
+        {
+            let law = Reflectance::Hapke(hapke);
+            assert!((radiance_factor(law, 0.0, 0.0, 0.0) / overhead - 1.0).abs() < 3e-6, "{hapke:?}");
+            assert!((radiance_factor(law, 60.0, 45.0, 30.0) / oblique - 1.0).abs() < 5e-6, "{hapke:?}");
+        }
+    }
+
+    /// An independent program's values with the same parameters, three digits.
+    #[test]
+    fn the_moon_has_its_radiance_factor() {
+        let moon = Reflectance::Hapke(Hapke::moon());
+        let table = [
+            (0.0, 0.0, 0.0, 0.1890),
+            (5.0, 0.0, 5.0, 0.1448),
+            (10.0, 0.0, 10.0, 0.1232),
+            (30.0, 0.0, 30.0, 0.0812),
+            (45.0, 0.0, 45.0, 0.0587),
+            (60.0, 0.0, 60.0, 0.0374),
+            (60.0, 30.0, 90.0, 0.0313),
+            (85.0, 0.0, 85.0, 0.0059),
+            (88.5, 0.0, 88.5, 0.00177),
+        ];
+        for (incidence_deg, emission_deg, phase_deg, expected) in table {
+            let got = radiance_factor(moon, phase_deg, incidence_deg, emission_deg);
+            assert!((got - expected).abs() < 6e-5, "{incidence_deg} {emission_deg} {phase_deg}: {got}");
+        }
+    }
+
+    #[test]
+    fn the_lunar_lambert_weight_is_that_of_isis() {
+        let table = [1.0, 0.8327, 0.7051, 0.6084, 0.5338, 0.4725, 0.4158, 0.3550, 0.2813, 0.1859, 0.0600, 0.0, 0.0];
+        for (i, weight) in (0..).zip(table) {
+            let phase_deg = 10.0 * f64::from(i);
+            assert!((lunar_lambert_weight(phase_deg) - weight).abs() < 6e-5, "{phase_deg} deg");
+        }
+    }
+
+    #[test]
+    fn empirical_laws_have_their_normal_albedo_at_vertical_opposition() {
+        for law in &laws()[..4] {
+            assert!((radiance_factor(*law, 0.0, 0.0, 0.0) - 0.12).abs() < 1e-12, "{law:?}");
+        }
+    }
+
+    #[test]
+    fn the_moon_scatters_back_more_than_forward() {
+        let moon = Reflectance::Hapke(Hapke::moon());
+        assert!(radiance_factor(moon, 0.0, 45.0, 45.0) > 2.0 * radiance_factor(moon, 90.0, 45.0, 45.0));
+    }
+
+    /// Bodies that fill a disc: mean of RADF over the apparent disc of a sphere, `∫ RADF μ dω / π`.
+    fn disc_integral(law: Reflectance, phase_rad: f64) -> f64 {
+        let rule = gauss_legendre(64);
+        let half = std::f64::consts::FRAC_PI_2;
+        integrate(&rule, phase_rad - half, half, |longitude_rad| {
+            integrate(&rule, -half, half, |latitude_rad| {
+                let cos_b = latitude_rad.cos();
+                let (mu0, mu) = (cos_b * (phase_rad - longitude_rad).cos(), cos_b * longitude_rad.cos());
+                law.radiance_factor(mu0, mu, phase_rad.cos()) * mu * cos_b
+            })
+        }) / PI
+    }
+
+    #[test]
+    fn spheres_of_lambert_and_lommel_seeliger_have_their_closed_phase_curves() {
+        for phase_deg in [1.0f64, 30.0, 90.0, 150.0] {
+            let g = phase_deg.to_radians();
+            let lambert = 2.0 / 3.0 * 0.12 * (g.sin() + (PI - g) * g.cos()) / PI;
+            let seeliger = 0.12 * (1.0 - (g / 2.0).sin() * (g / 2.0).tan() * (1.0 / (g / 4.0).tan()).ln());
+            assert!((disc_integral(laws()[0], g) / lambert - 1.0).abs() < 1e-6, "{phase_deg}");
+            assert!((disc_integral(laws()[1], g) / seeliger - 1.0).abs() < 1e-4, "{phase_deg}");
+        }
+    }
+
+    /// ROLO at 665 nm, mean of waxing and waning (Kieffer & Stone 2005, AJ 129, 2887): within 5 %, the scatter
+    /// of published lunar sets.
+    #[test]
+    fn the_moon_as_a_whole_is_as_bright_as_rolo_saw_it() {
+        let table = [(2.0f64, 0.159), (7.0, 0.1227), (30.0, 0.068), (60.0, 0.033), (90.0, 0.0135)];
+        for (phase_deg, rolo) in table {
+            let disc = disc_integral(Reflectance::Hapke(Hapke::moon()), phase_deg.to_radians());
+            assert!((disc / rolo - 1.0).abs() < 0.05, "{phase_deg}: {disc}");
+        }
+    }
+
+    #[test]
+    fn parameters_outside_their_domain_are_named() {
+        let error = Reflectance::Hapke(Hapke { asymmetry: 1.2, ..Hapke::moon() }).check().unwrap_err();
+        assert_eq!(error.to_string(), "asymmetry = 1.2 is outside [0, 0.95]");
+        assert!(Reflectance::Lambert { normal_albedo: f64::NAN }.check().is_err());
+        assert!(Reflectance::Minnaert { normal_albedo: 0.1, exponent: 0.1 }.check().is_err());
+        assert!(laws().iter().all(|law| law.check().is_ok()));
+    }
+}

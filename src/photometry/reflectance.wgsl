@@ -1,0 +1,162 @@
+// Radiance of the ground per irradiance of the ground. Twin of reflectance.rs and hapke.rs, whose documents have
+// the equations.
+
+// 0 Lambert, 1 Lommel-Seeliger, 2 lunar-Lambert, 3 Minnaert, 4 Hapke.
+override REFLECTANCE_MODEL: u32;
+
+struct ReflectanceParameters {
+    normal_albedo: f32,
+    exponent: f32,
+    single_scattering_albedo: f32,
+    asymmetry: f32,
+    backscatter: f32,
+    shadow_hiding_amplitude: f32,
+    shadow_hiding_width: f32,
+    coherent_amplitude: f32,
+    coherent_width: f32,
+    mean_slope_tan: f32,
+    porosity_factor: f32,
+    // The year of the function H: 1981 or 2002.
+    multiple_scattering: f32,
+}
+
+const PI = 3.14159265358979;
+const LEAST_COSINE = 1e-6;
+
+// From the cosines of incidence, emission and phase angle.
+fn brdf_sr(p: ReflectanceParameters, incidence_cosine: f32, emission_cosine: f32, phase_cosine: f32) -> f32 {
+    let mu0 = clamp(incidence_cosine, LEAST_COSINE, 1.0);
+    let mu = clamp(emission_cosine, LEAST_COSINE, 1.0);
+    let phase = clamp(phase_cosine, -1.0, 1.0);
+    let lambert = p.normal_albedo / PI;
+    switch REFLECTANCE_MODEL {
+        case 1u: {
+            return lambert * 2.0 / (mu0 + mu);
+        }
+        case 2u: {
+            let weight = lunar_lambert_weight(degrees(arc_cosine(phase)));
+            return lambert * (2.0 * weight / (mu0 + mu) + 1.0 - weight);
+        }
+        case 3u: {
+            return lambert * pow(mu0 * mu, p.exponent - 1.0);
+        }
+        case 4u: {
+            return hapke_sr(p, mu0, mu, phase);
+        }
+        default: {
+            return lambert;
+        }
+    }
+}
+
+fn lunar_lambert_weight(phase_deg: f32) -> f32 {
+    return max(1.0 + phase_deg * (-0.019 + phase_deg * (0.242e-3 - 1.46e-6 * phase_deg)), 0.0);
+}
+
+fn hapke_sr(p: ReflectanceParameters, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
+    let half_phase_tan = sqrt((1.0 - phase_cosine) / max(1.0 + phase_cosine, 1e-12));
+    let rough = roughen(p.mean_slope_tan, mu0, mu, phase_cosine);
+    let single = hapke_phase(p, phase_cosine) * (1.0 + shadow_hiding(p, half_phase_tan));
+    let multiple = hapke_h(p, rough.incidence_cosine / p.porosity_factor)
+        * hapke_h(p, rough.emission_cosine / p.porosity_factor) - 1.0;
+    return p.porosity_factor * p.single_scattering_albedo / (4.0 * PI)
+        * rough.share_per_cosine / (rough.incidence_cosine + rough.emission_cosine)
+        * (single + multiple) * (1.0 + coherent(p, half_phase_tan));
+}
+
+fn hapke_phase(p: ReflectanceParameters, phase_cosine: f32) -> f32 {
+    return 0.5 * (1.0 + p.backscatter) * hapke_lobe(p.asymmetry, phase_cosine)
+        + 0.5 * (1.0 - p.backscatter) * hapke_lobe(p.asymmetry, -phase_cosine);
+}
+
+fn hapke_lobe(b: f32, towards: f32) -> f32 {
+    let square = 1.0 - 2.0 * b * towards + b * b;
+    return (1.0 - b * b) / (square * sqrt(square));
+}
+
+fn shadow_hiding(p: ReflectanceParameters, half_phase_tan: f32) -> f32 {
+    let width = p.shadow_hiding_width;
+    return p.shadow_hiding_amplitude * width / max(width + half_phase_tan, 1e-12);
+}
+
+fn coherent(p: ReflectanceParameters, half_phase_tan: f32) -> f32 {
+    if p.coherent_width == 0.0 {
+        return 0.0;
+    }
+    let y = half_phase_tan / p.coherent_width;
+    var fading = 1.0 - 0.5 * y;
+    if y > 1e-3 {
+        fading = (1.0 - exp(-y)) / y;
+    }
+    return p.coherent_amplitude * (1.0 + fading) / (2.0 * (1.0 + y) * (1.0 + y));
+}
+
+fn hapke_h(p: ReflectanceParameters, x: f32) -> f32 {
+    let w = p.single_scattering_albedo;
+    let gamma = sqrt(1.0 - w);
+    if p.multiple_scattering < 2000.0 {
+        return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * gamma);
+    }
+    let r0 = (1.0 - gamma) / (1.0 + gamma);
+    return 1.0 / (1.0 - w * x * (r0 + (0.5 - r0 * x) * log((1.0 + x) / x)));
+}
+
+// Effective cosines of a rough surface, and the shadowed share of the ground per cosine of incidence.
+struct Rough {
+    incidence_cosine: f32,
+    emission_cosine: f32,
+    share_per_cosine: f32,
+}
+
+// One ray against the mean slope.
+struct Tilt {
+    cosine: f32,
+    sine: f32,
+    e1: f32,
+    e2: f32,
+    eta: f32,
+}
+
+fn tilt(cosine: f32, slope_tan: f32, chi: f32) -> Tilt {
+    let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
+    let cotangents = min(cosine / (slope_tan * max(sine, 1e-6)), 1e3);
+    let e1 = exp(-2.0 / PI * cotangents);
+    let e2 = exp(-cotangents * cotangents / PI);
+    return Tilt(cosine, sine, e1, e2, chi * (cosine + sine * slope_tan * e2 / (2.0 - e1)));
+}
+
+fn roughen(slope_tan: f32, mu0: f32, mu: f32, phase_cosine: f32) -> Rough {
+    if slope_tan == 0.0 {
+        return Rough(mu0, mu, 1.0);
+    }
+    let chi = inverseSqrt(1.0 + PI * slope_tan * slope_tan);
+    let swapped = mu0 < mu;
+    let near = tilt(max(mu0, mu), slope_tan, chi);
+    let far = tilt(min(mu0, mu), slope_tan, chi);
+
+    // sin²(ψ/2), with ψ the azimuth between the rays; where one is vertical it does not matter.
+    let sines = max(near.sine * far.sine, 1e-12);
+    let s2 = clamp((near.sine * far.sine + mu0 * mu - phase_cosine) / (2.0 * sines), 0.0, 1.0);
+    let azimuth_cosine = 1.0 - 2.0 * s2;
+    let f = exp(-2.0 * sqrt(s2 / max(1.0 - s2, 1e-12)));
+
+    let d = 2.0 - far.e1 - arc_cosine(azimuth_cosine) / PI * near.e1;
+    let near_cosine = chi * (near.cosine + near.sine * slope_tan * (azimuth_cosine * far.e2 + s2 * near.e2) / d);
+    let far_cosine = chi * (far.cosine + far.sine * slope_tan * (far.e2 - s2 * near.e2) / d);
+    let visible = chi / (1.0 - f + f * chi * near.cosine / near.eta);
+    let share_per_cosine = near_cosine * far_cosine / (near.eta * far.eta) * visible;
+    return Rough(
+        select(near_cosine, far_cosine, swapped),
+        select(far_cosine, near_cosine, swapped),
+        share_per_cosine,
+    );
+}
+
+// Abramowitz & Stegun 4.4.46, within 2e-8; WGSL promises only 7e-5 of its own.
+fn arc_cosine(x: f32) -> f32 {
+    let a = abs(x);
+    let series = 1.5707963050 + a * (-0.2145988016 + a * (0.0889789874 + a * (-0.0501743046
+        + a * (0.0308918810 + a * (-0.0170881256 + a * (0.0066700901 - a * 0.0012624911))))));
+    let acute = series * sqrt(1.0 - min(a, 1.0));
+    return select(acute, PI - acute, x < 0.0);
+}

@@ -1,0 +1,202 @@
+//! A scenario as the program uses it: SI and radians, instants, files that exist.
+
+use std::path::PathBuf;
+
+use glam::{DQuat, DVec3};
+use hifitime::Epoch;
+
+use super::spec;
+use crate::geometry::{Body, Geodetic};
+
+pub use super::spec::{Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, Shadows, Values};
+
+/// All that a run needs, as plain values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// The scenario's file.
+    pub path: PathBuf,
+    /// Name of the file without its extension: the name of the output directory.
+    pub name: String,
+    /// The file as written.
+    pub text: String,
+    pub title: String,
+    pub body: Body,
+    /// Body-fixed frame by its SPICE name.
+    pub frame: String,
+    /// `None`: the shipped default kernels.
+    pub kernels: Option<Vec<PathBuf>>,
+    /// `None`: the bare spheroid.
+    pub terrain: Option<Terrain>,
+    pub horizon: Horizon,
+    pub shadows: Shadows,
+    pub photometry: Photometry,
+    pub albedo: Albedo,
+    pub sun: Sun,
+    /// Geometric albedo of the Earth; `None`: no earthshine.
+    pub earthshine_albedo: Option<f64>,
+    pub trajectory: Trajectory,
+    pub pointing: Pointing,
+    pub camera: Camera,
+    pub detector: Option<Detector>,
+    /// Strictly increasing, never empty.
+    pub exposures: Vec<Epoch>,
+    pub outputs: Outputs,
+    pub seed: u64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terrain {
+    /// Height 0; `None`: the centre of the first DEM.
+    pub centre: Option<Geodetic>,
+    /// Finest first, never empty.
+    pub dems: Vec<Dem>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Dem {
+    File { path: PathBuf, values: Values, posting_m: Option<f64>, extent_m: Option<f64> },
+    Synthetic { columns: u32, rows: u32, posting_m: f64, centre: Geodetic, seed: u64 },
+    Cube { path: PathBuf, values: Values, posting_m: Option<f64> },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Horizon {
+    pub azimuths: u32,
+    /// `None`: as far as the highest terrain can stand above the horizon.
+    pub search_m: Option<f64>,
+    pub observer_height_m: f64,
+    pub encoding: Encoding,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Photometry {
+    Lambert,
+    LommelSeeliger,
+    LunarLambert,
+    HapkeMoon,
+    Hapke { w: f64, b: f64, c: f64, bs0: f64, hs: f64, bc0: f64, hc: f64, theta_bar_rad: f64, phi: f64 },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Albedo {
+    Constant(f64),
+    Map(PathBuf),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sun {
+    /// `None`: a uniform disc.
+    pub limb_darkening_wavelength_m: Option<f64>,
+    /// At 1 au, in the camera's band.
+    pub irradiance_w_m2: f64,
+    /// `None`: from the kernels.
+    pub fixed: Option<FixedSun>,
+}
+
+/// A Sun held still in the sky of the terrain's centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedSun {
+    /// Clockwise from north.
+    pub azimuth_rad: f64,
+    pub elevation_rad: f64,
+    pub distance_m: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Trajectory {
+    /// Body-fixed; epochs strictly increasing, never empty.
+    Waypoints {
+        points: Vec<Waypoint>,
+        height_above: HeightAbove,
+    },
+    /// `path` is `None` where one of the scenario's kernels holds the body.
+    Spk {
+        path: Option<PathBuf>,
+        naif_id: i32,
+    },
+    Oem {
+        path: PathBuf,
+    },
+    /// Osculating elements about the ICRF equator.
+    Orbit {
+        epoch: Epoch,
+        elements: Elements,
+        gm_m3_s2: Option<f64>,
+    },
+    /// Axes of the ICRF.
+    State {
+        epoch: Epoch,
+        position_m: DVec3,
+        velocity_m_s: DVec3,
+        gm_m3_s2: Option<f64>,
+    },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    pub epoch: Epoch,
+    pub point: Geodetic,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elements {
+    pub semi_major_axis_m: f64,
+    pub eccentricity: f64,
+    pub inclination_rad: f64,
+    pub node_rad: f64,
+    pub periapsis_rad: f64,
+    pub true_anomaly_rad: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pointing {
+    pub towards: Towards,
+    /// From +x (right) towards +y (down).
+    pub roll_rad: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Towards {
+    Nadir,
+    At {
+        point: Geodetic,
+        height_above: HeightAbove,
+    },
+    AlongVelocity,
+    /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
+    Table(Vec<(Epoch, DQuat)>),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    pub columns: u32,
+    pub rows: u32,
+    /// Focal length over pixel pitch.
+    pub focal_length_px: f64,
+    /// `None`: the scenario gave a field of view.
+    pub pixel_pitch_m: Option<f64>,
+    /// From the outer corner of the top left pixel.
+    pub principal_point_px: [f64; 2],
+    pub distortion: Option<Distortion>,
+    /// A square number.
+    pub samples_per_pixel: u32,
+    /// `None`: the whole spectrum.
+    pub band_m: Option<[f64; 2]>,
+    pub f_number: f64,
+    pub transmission: f64,
+    pub exposure_s: f64,
+}
+
+impl From<&spec::Photometry> for Photometry {
+    fn from(written: &spec::Photometry) -> Self {
+        match *written {
+            spec::Photometry::Lambert => Self::Lambert,
+            spec::Photometry::LommelSeeliger => Self::LommelSeeliger,
+            spec::Photometry::LunarLambert => Self::LunarLambert,
+            spec::Photometry::HapkeMoon => Self::HapkeMoon,
+            spec::Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_deg, phi } => {
+                Self::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad: theta_bar_deg.to_radians(), phi }
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The scenario file, field by field. Documents and ranges below become `sim schema`.
+
+mod output;
+mod view;
+mod world;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use output::{Detector, Outputs, Preview};
+pub use view::{
+    Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
+};
+pub use world::{
+    Albedo, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, Encoding, FixedSun, Horizon, Photometry, Shadows,
+    Sun, Surface, Terrain, Values,
+};
+
+/// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spec {
+    /// What the sequence shows, in one line; it is copied into every output.
+    pub title: String,
+    /// The body that is seen.
+    #[serde(default)]
+    pub body: Body,
+    /// Body-fixed frame of all coordinates: IAU_MOON, MOON_ME_DE440_ME421, MOON_ME_DE421, IAU_MARS, … Default: the
+    /// IAU frame of the body.
+    #[serde(default)]
+    pub frame: Option<String>,
+    /// SPICE kernels: ephemerides (.bsp), orientation (.bpc, .epa), constants (.tpc). Default: the kernels that are
+    /// shipped with the program.
+    #[serde(default)]
+    pub kernels: Option<Vec<String>>,
+    /// The ground. Default: the bare spheroid.
+    #[serde(default)]
+    pub terrain: Option<Terrain>,
+    /// How horizons are computed.
+    #[serde(default)]
+    pub horizon: Horizon,
+    /// How shadows are cast.
+    #[serde(default)]
+    pub shadows: Shadows,
+    /// How the ground reflects light.
+    #[serde(default)]
+    pub surface: Surface,
+    /// The Sun.
+    #[serde(default)]
+    pub sun: Sun,
+    /// Light that the Earth reflects onto the ground. Default: none.
+    #[serde(default)]
+    pub earthshine: Option<Earthshine>,
+    /// Where the camera is.
+    pub trajectory: Trajectory,
+    /// Where the camera looks.
+    #[serde(default)]
+    pub pointing: Pointing,
+    /// The camera.
+    pub camera: Camera,
+    /// What turns light into digital numbers. Default: none, the outputs are radiometric.
+    #[serde(default)]
+    pub detector: Option<Detector>,
+    /// When images are taken.
+    pub exposures: Exposures,
+    /// What is written.
+    #[serde(default)]
+    pub outputs: Outputs,
+    /// Seed of all noise.
+    #[serde(default)]
+    pub seed: u64,
+}

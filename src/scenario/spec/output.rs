@@ -1,0 +1,77 @@
+//! Detector and outputs, as written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::render::Quantity;
+
+/// What turns light into digital numbers (EMVA 1288).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Detector {
+    /// Electrons per photon, averaged over the band.
+    #[schemars(range(min = 1e-4, max = 1.0))]
+    pub quantum_efficiency: f64,
+    /// Electrons a pixel holds.
+    #[schemars(range(min = 1.0, max = 1e8))]
+    pub full_well_e: f64,
+    /// Noise of reading a pixel, one sigma, in electrons.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub read_noise_e: f64,
+    /// Electrons that a pixel gathers per second in the dark.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e8))]
+    pub dark_current_e_per_s: f64,
+    /// Electrons per digital number.
+    #[schemars(range(min = 1e-4, max = 1e6))]
+    pub gain_e_per_dn: f64,
+    /// Digital number of no electrons.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 65535.0))]
+    pub offset_dn: f64,
+    /// Bits of a digital number.
+    #[schemars(range(min = 1, max = 16))]
+    pub bits: u32,
+}
+
+/// What is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Outputs {
+    /// Planes of each image.
+    #[schemars(length(min = 1, max = 17))]
+    pub planes: Vec<Quantity>,
+    /// Writes the planes as float TIFF too, one page each; OpenEXR is always written.
+    pub tiff: bool,
+    /// Scale of the preview images.
+    pub preview: Preview,
+    /// Writes the previews as an animation.
+    pub animation: bool,
+}
+
+impl Default for Outputs {
+    fn default() -> Self {
+        Self {
+            planes: vec![Quantity::Radiance, Quantity::SunFraction, Quantity::Depth, Quantity::Hit],
+            tiff: false,
+            preview: Preview::Auto,
+            animation: true,
+        }
+    }
+}
+
+/// Scale of the preview images. It is the same for the whole sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Preview {
+    /// White is the brightest image's 99.5 % quantile.
+    #[default]
+    Auto,
+    /// White is given.
+    White {
+        /// The radiance that is white.
+        #[schemars(range(min = 1e-9, max = 1e9))]
+        radiance_w_m2_sr: f64,
+    },
+}

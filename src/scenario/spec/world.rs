@@ -1,0 +1,323 @@
+//! Body, terrain, horizon, surface and Sun, as written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The body that is seen.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Body {
+    /// The Moon: the sphere of 1 737 400 m that LOLA heights refer to.
+    #[default]
+    Moon,
+    /// Mars: the IAU spheroid of 3 396 190 m and 3 376 200 m.
+    Mars,
+    /// Any other body; `frame` must be given with it.
+    Custom {
+        /// Name in the outputs.
+        name: String,
+        /// SPICE id of the body, as in 301 for the Moon.
+        naif_id: i32,
+        /// Radius at the equator.
+        #[schemars(range(min = 1.0, max = 1e9))]
+        equatorial_radius_m: f64,
+        /// Radius at the poles.
+        #[schemars(range(min = 1.0, max = 1e9))]
+        polar_radius_m: f64,
+    },
+}
+
+/// The ground: nested elevation models on the reference spheroid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Terrain {
+    /// Where the terrain is centred. Default: the centre of the first elevation model.
+    #[serde(default)]
+    pub centre: Option<Centre>,
+    /// Elevation models, the finest first. Beyond the last comes the bare spheroid.
+    #[schemars(length(min = 1, max = 8))]
+    pub dems: Vec<Dem>,
+}
+
+/// A place on the spheroid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Centre {
+    /// Geodetic latitude, north positive.
+    #[schemars(range(min = -90.0, max = 90.0))]
+    pub latitude_deg: f64,
+    /// East longitude.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub longitude_deg: f64,
+}
+
+/// One elevation model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Dem {
+    /// A georeferenced raster in any format and projection that GDAL reads.
+    File {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// Resample to this posting. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: Option<f64>,
+        /// Use only a square of this width around the centre. Default: all of it.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1e8))]
+        extent_m: Option<f64>,
+    },
+    /// A cratered terrain with published statistics, made on the first run and kept.
+    Synthetic {
+        /// Width in postings.
+        #[schemars(range(min = 16, max = 16384))]
+        columns: u32,
+        /// Height in postings.
+        #[schemars(range(min = 16, max = 16384))]
+        rows: u32,
+        /// Distance of neighbouring heights.
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: f64,
+        /// Geodetic latitude of its centre, north positive.
+        #[schemars(range(min = -90.0, max = 90.0))]
+        latitude_deg: f64,
+        /// East longitude of its centre.
+        #[schemars(range(min = -360.0, max = 360.0))]
+        longitude_deg: f64,
+        /// Another seed is another terrain.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// A raster of the whole body, cut into a cube of six maps. It must be the last.
+    Cube {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// Resample to this posting. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1_000_000.0))]
+        posting_m: Option<f64>,
+    },
+}
+
+/// What the numbers of an elevation model are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+pub enum Values {
+    /// Heights, or radii where the numbers are near the body's radius.
+    #[default]
+    Auto,
+    /// Heights above the file's own ellipsoid.
+    Height,
+    /// Distances from the body's centre.
+    Radius,
+}
+
+/// How horizons are computed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Horizon {
+    /// Every key below at its default.
+    #[default]
+    Auto,
+    /// Chosen by hand.
+    Settings {
+        /// Azimuths at which the horizon is sampled before it is compressed.
+        #[serde(default = "default_azimuths")]
+        #[schemars(range(min = 32, max = 4096))]
+        azimuths: u32,
+        /// How far terrain is looked for. Default: as far as the highest terrain can stand above the horizon.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1e7))]
+        search_m: Option<f64>,
+        /// Height of the point above the ground from which the horizon is seen.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1000.0))]
+        observer_height_m: f64,
+        /// How the coefficients are stored.
+        #[serde(default)]
+        encoding: Encoding,
+    },
+}
+
+/// 360 samples are what the 16 coefficients of `fm16` are fitted to (Fritsch 2025).
+pub const DEFAULT_AZIMUTHS: u32 = 360;
+
+fn default_azimuths() -> u32 {
+    DEFAULT_AZIMUTHS
+}
+
+/// How horizon coefficients are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+pub enum Encoding {
+    /// 16 complex coefficients as half floats over four resolution levels (Fritsch 2025).
+    #[default]
+    Fm16,
+}
+
+/// How shadows are cast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+pub enum Shadows {
+    /// From Fourier-compressed horizon maps.
+    #[default]
+    Fourier,
+    /// From the exact horizon of each point, without compression. Slow; the one to compare with.
+    Traced,
+    /// No cast shadows; the ground still turns away from the Sun.
+    Off,
+}
+
+/// How the ground reflects light.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// The reflectance model.
+    #[serde(default)]
+    pub photometry: Photometry,
+    /// Brightness of the ground. Default: 0.12, and 1 for the Hapke models, whose reflectance it multiplies.
+    #[serde(default)]
+    pub albedo: Option<Albedo>,
+}
+
+/// The reflectance model.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Photometry {
+    /// Equal radiance in all directions.
+    Lambert,
+    /// Single scattering of a dark, half-infinite medium.
+    LommelSeeliger,
+    /// McEwen's mixture of the two with the Moon's phase function.
+    #[default]
+    LunarLambert,
+    /// Hapke's model with the parameters of the Moon.
+    HapkeMoon,
+    /// Hapke's model.
+    Hapke {
+        /// Single-scattering albedo.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        w: f64,
+        /// Width of the two lobes of the particle phase function.
+        #[schemars(range(min = 0.0, max = 0.999))]
+        b: f64,
+        /// Weight of the backward lobe: 1 is all backward, -1 all forward.
+        #[schemars(range(min = -1.0, max = 1.0))]
+        c: f64,
+        /// Amplitude of the shadow-hiding opposition surge.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        bs0: f64,
+        /// Angular width of the shadow-hiding opposition surge.
+        #[serde(default = "default_surge_width")]
+        #[schemars(range(min = 1e-4, max = 10.0))]
+        hs: f64,
+        /// Amplitude of coherent backscatter.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        bc0: f64,
+        /// Angular width of coherent backscatter.
+        #[serde(default = "default_surge_width")]
+        #[schemars(range(min = 1e-4, max = 10.0))]
+        hc: f64,
+        /// Mean slope of the roughness that no pixel resolves.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 60.0))]
+        theta_bar_deg: f64,
+        /// Filling factor: the share of volume that grains take.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 0.75))]
+        phi: f64,
+    },
+}
+
+/// Without an amplitude the width has no effect; it only has to keep the surge finite.
+fn default_surge_width() -> f64 {
+    0.1
+}
+
+/// Brightness of the ground.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Albedo {
+    /// The same everywhere.
+    Constant(#[schemars(range(min = 0.0, max = 1.0))] f64),
+    /// From a georeferenced raster.
+    Map {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
+}
+
+/// The Sun.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sun {
+    /// Brightness across the disc.
+    pub disc: Disc,
+    /// Irradiance at 1 au in the camera's band. 1361 is the whole spectrum (IAU 2015 B3).
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub irradiance_w_m2: f64,
+    /// Holds the Sun still in the sky of the terrain's centre, whatever the epoch: for tests and studies.
+    pub fixed: Option<FixedSun>,
+}
+
+impl Default for Sun {
+    fn default() -> Self {
+        Self { disc: Disc::default(), irradiance_w_m2: crate::quantity::TOTAL_SOLAR_IRRADIANCE_W_M2, fixed: None }
+    }
+}
+
+/// Brightness across the solar disc.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Disc {
+    /// The same everywhere.
+    #[default]
+    Uniform,
+    /// Darker towards the limb, as measured at a wavelength.
+    LimbDarkened {
+        /// The wavelength.
+        #[schemars(range(min = 300.0, max = 5000.0))]
+        wavelength_nm: f64,
+    },
+}
+
+/// A Sun that does not move.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FixedSun {
+    /// Azimuth clockwise from north, at the terrain's centre.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub azimuth_deg: f64,
+    /// Elevation of the disc's centre above the horizontal plane, at the terrain's centre.
+    #[schemars(range(min = -90.0, max = 90.0))]
+    pub elevation_deg: f64,
+    /// Distance of the Sun.
+    #[serde(default = "one")]
+    #[schemars(range(min = 0.05, max = 100.0))]
+    pub range_au: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Light that the Earth reflects onto the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Earthshine {
+    /// Geometric albedo of the Earth.
+    #[serde(default = "earth_albedo")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub albedo: f64,
+}
+
+/// Geometric albedo of the Earth in the visible: 0.434 (Mallama et al. 2017, doi:10.1016/j.icarus.2016.09.023).
+fn earth_albedo() -> f64 {
+    0.434
+}

@@ -1,0 +1,142 @@
+//! Resolves body, kernels, terrain, surface and Sun.
+
+use std::path::PathBuf;
+
+use super::resolve::Check;
+use super::resolved::{Albedo, Dem, FixedSun, Horizon, Sun, Terrain};
+use super::spec::{self, Spec};
+use crate::geometry::{Body, Geodetic};
+use crate::quantity::ASTRONOMICAL_UNIT_M;
+
+/// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
+const LUNAR_ALBEDO: f64 = 0.12;
+
+pub fn body(written: &spec::Body) -> Body {
+    match written {
+        spec::Body::Moon => Body::moon(),
+        // IAU Working Group 2015 (Archinal et al. 2018, doi:10.1007/s10569-017-9805-5), as in `pck00011.tpc`.
+        spec::Body::Mars => {
+            Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
+        }
+        spec::Body::Custom { name, naif_id, equatorial_radius_m, polar_radius_m } => Body {
+            name: name.clone(),
+            naif_id: *naif_id,
+            equatorial_radius_m: *equatorial_radius_m,
+            polar_radius_m: *polar_radius_m,
+        },
+    }
+}
+
+pub fn frame(spec: &Spec, check: &mut Check) -> String {
+    let default = match spec.body {
+        spec::Body::Moon => "IAU_MOON",
+        spec::Body::Mars => "IAU_MARS",
+        spec::Body::Custom { .. } => "",
+    };
+    let frame = spec.frame.as_deref().unwrap_or(default);
+    check.needs(spec.frame.is_some() || !default.is_empty(), "body", "needs frame, the name of its body-fixed frame");
+    let is_name = frame.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit() || byte == b'_');
+    let named = spec.frame.is_none() || (is_name && !frame.is_empty());
+    check.rule(named, "frame", format!("{frame:?}"), "is not a frame's name, as in MOON_ME_DE440_ME421");
+    frame.into()
+}
+
+pub fn kernels(written: &[String], check: &mut Check) -> Vec<PathBuf> {
+    check.rule(!written.is_empty(), "kernels", "[]", "names no kernel; leave the key out for the shipped ones");
+    let mut found = Vec::new();
+    for (index, name) in written.iter().enumerate() {
+        let key = format!("kernels[{index}]");
+        check.rule(!written[..index].contains(name), &key, format!("{name:?}"), "is listed twice");
+        found.push(check.kernel(&key, name));
+    }
+    found
+}
+
+pub fn terrain(written: &spec::Terrain, check: &mut Check) -> Terrain {
+    let dems: Vec<Dem> = written.dems.iter().enumerate().map(|(index, dem)| resolved_dem(index, dem, check)).collect();
+    finest_first(&dems, check);
+    let centre = written.centre.map(|place| Geodetic::from_degrees(place.latitude_deg, place.longitude_deg, 0.0));
+    Terrain { centre, dems }
+}
+
+fn resolved_dem(index: usize, written: &spec::Dem, check: &mut Check) -> Dem {
+    let key = format!("terrain.dems[{index}].path");
+    match *written {
+        spec::Dem::File { ref path, values, posting_m, extent_m } => {
+            Dem::File { path: check.file(&key, path), values, posting_m, extent_m }
+        }
+        spec::Dem::Cube { ref path, values, posting_m } => {
+            Dem::Cube { path: check.file(&key, path), values, posting_m }
+        }
+        spec::Dem::Synthetic { columns, rows, posting_m, latitude_deg, longitude_deg, seed } => Dem::Synthetic {
+            columns,
+            rows,
+            posting_m,
+            centre: Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0),
+            seed,
+        },
+    }
+}
+
+/// Postings that are given must grow; those of files are checked once the files are open.
+fn finest_first(dems: &[Dem], check: &mut Check) {
+    let mut finer: Option<(usize, f64)> = None;
+    for (index, dem) in dems.iter().enumerate() {
+        let key = format!("terrain.dems[{index}]");
+        let is_last = index + 1 == dems.len();
+        check.needs(is_last || !matches!(dem, Dem::Cube { .. }), &key, "covers the whole body, so it must be the last");
+        let Some(posting_m) = posting_m(dem) else { continue };
+        if let Some((earlier, earlier_m)) = finer {
+            let rule = format!("is not coarser than the {earlier_m} m of dems[{earlier}]; the finest comes first");
+            check.rule(posting_m > earlier_m, &format!("{key}.posting_m"), posting_m, rule);
+        }
+        finer = Some((index, posting_m));
+    }
+}
+
+fn posting_m(dem: &Dem) -> Option<f64> {
+    match *dem {
+        Dem::File { posting_m, .. } | Dem::Cube { posting_m, .. } => posting_m,
+        Dem::Synthetic { posting_m, .. } => Some(posting_m),
+    }
+}
+
+pub fn horizon(written: &spec::Horizon) -> Horizon {
+    match *written {
+        spec::Horizon::Settings { azimuths, search_m, observer_height_m, encoding } => {
+            Horizon { azimuths, search_m, observer_height_m, encoding }
+        }
+        spec::Horizon::Auto => Horizon {
+            azimuths: spec::DEFAULT_AZIMUTHS,
+            search_m: None,
+            observer_height_m: 0.0,
+            encoding: spec::Encoding::default(),
+        },
+    }
+}
+
+pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
+    let is_hapke = matches!(written.photometry, spec::Photometry::HapkeMoon | spec::Photometry::Hapke { .. });
+    match &written.albedo {
+        None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
+        Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
+        Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
+    }
+}
+
+pub fn sun(written: &spec::Sun, has_terrain: bool, check: &mut Check) -> Sun {
+    let needs = "needs terrain: the Sun is held in the sky of the terrain's centre";
+    check.needs(written.fixed.is_none() || has_terrain, "sun.fixed", needs);
+    Sun {
+        limb_darkening_wavelength_m: match written.disc {
+            spec::Disc::Uniform => None,
+            spec::Disc::LimbDarkened { wavelength_nm } => Some(wavelength_nm * 1e-9),
+        },
+        irradiance_w_m2: written.irradiance_w_m2,
+        fixed: written.fixed.map(|fixed| FixedSun {
+            azimuth_rad: fixed.azimuth_deg.to_radians(),
+            elevation_rad: fixed.elevation_deg.to_radians(),
+            distance_m: fixed.range_au * ASTRONOMICAL_UNIT_M,
+        }),
+    }
+}
