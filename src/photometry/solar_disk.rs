@@ -155,6 +155,27 @@ impl SolarDisk {
         }
     }
 
+    /// What is seen above any skyline, given as its height at a column `x`, and above the facet's own plane: the
+    /// disc in `COLUMNS_OF_SKYLINE` columns of equal angle. A smooth skyline is met to 1e-3, a step inside the
+    /// disc to a column's width.
+    pub fn light_above(&self, skyline: &dyn Fn(f64) -> f64, facet: Facet) -> DiskLight {
+        let own = HalfPlane::new(facet.slope, facet.height);
+        let width_rad = PI / f64::from(Self::COLUMNS_OF_SKYLINE);
+        let (mut fraction, mut moment) = (0.0, DVec2::ZERO);
+        for column in 0..Self::COLUMNS_OF_SKYLINE {
+            let (x, chord) = ((f64::from(column) + 0.5) * width_rad - FRAC_PI_2).sin_cos();
+            let horizon = HalfPlane { normal: DVec2::Y, height: skyline(x) };
+            let weight = width_rad * chord.powf(self.alpha + 2.0);
+            let (share, offset) = self.column([horizon, own], x, chord);
+            fraction += weight * share;
+            moment += weight * DVec2::new(x * share, chord * offset);
+        }
+        let norm = (self.alpha + 2.0) / (2.0 * PI);
+        DiskLight { fraction: norm * fraction, moment: norm * moment }
+    }
+
+    const COLUMNS_OF_SKYLINE: u32 = 24;
+
     fn light_above_line(&self, plane: HalfPlane) -> DiskLight {
         DiskLight { fraction: self.visible_above(plane.height), moment: self.moment_above(plane.height) * plane.normal }
     }
@@ -263,6 +284,18 @@ mod tests {
 
     /// Facing the Sun, far from its own plane.
     const FACING: Facet = Facet { height: 200.0, slope: DVec2::ZERO };
+
+    #[test]
+    fn a_skyline_in_columns_meets_the_straight_horizon() {
+        let disk = disk(0.508);
+        let facet = Facet { height: 30.0, slope: DVec2::new(0.1, 0.9) };
+        for (height, slope) in [(-0.9, 0.0), (-0.3, 0.4), (0.0, -1.0), (0.6, 0.2), (2.0, 0.0)] {
+            let line = disk.light(HorizonLine { height, slope }, facet);
+            let columns = disk.light_above(&|x| height + slope * x, facet);
+            assert!((line.fraction - columns.fraction).abs() < 1e-3, "{height} {slope}");
+            assert!((line.moment - columns.moment).length() < 1e-3, "{height} {slope}");
+        }
+    }
 
     #[test]
     fn the_exponent_follows_hestroffer_and_magnan_and_ends_where_their_fit_ends() {

@@ -61,8 +61,7 @@ pub struct LightParameters {
     pub direction: [f32; 4],
     pub radius_rad: f32,
     pub irradiance_w_m2: f32,
-    pub tables_offset: u32,
-    pub padding: u32,
+    pub padding: [u32; 2],
 }
 
 #[repr(C)]
@@ -174,15 +173,14 @@ impl MapLevel {
 }
 
 impl LightParameters {
-    /// A light at `vector_m` from a frame's origin, its disc's tables at `tables_offset`.
-    pub fn new(light: &Light, vector_m: DVec3, tables_offset: usize) -> Self {
+    /// A light at `vector_m` from a frame's origin.
+    pub fn new(light: &Light, vector_m: DVec3) -> Self {
         let distance_m = vector_m.length();
         Self {
             direction: with_w(vector_m / distance_m, 1.0 / distance_m),
             radius_rad: light.angular_radius_rad as f32,
             irradiance_w_m2: light.irradiance_w_m2 as f32,
-            tables_offset: tables_offset as u32,
-            padding: 0,
+            padding: [0; 2],
         }
     }
 }

@@ -12,7 +12,7 @@ use wgpu::{Buffer, ComputePipeline};
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{Light, RenderError, Renderer, Scene, Shadows, View};
+use super::{RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
@@ -110,14 +110,12 @@ impl Prepared {
                 store.add(&scene.surface, face, level, horizons.map(|maps| &maps[face][level]));
             }
         }
-        let tables: Vec<f32> = view.lights.iter().flat_map(|light| light.disk.tables()).collect();
         let offsets = scene.sample_offsets();
         // Where a sample goes through the centre it serves for both.
         let central = offsets.iter().position(|offset| *offset == DVec2::ZERO);
         let extra = scene.needs_centres() && central.is_none();
         let rays_per_pixel = offsets.len() + usize::from(extra);
         let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
-        let (model, reflectance) = scene.reflectance.shader_parameters();
         let mut constants = vec![
             ("RAYS", rays_per_pixel as f64),
             ("SAMPLES", offsets.len() as f64),
@@ -125,7 +123,7 @@ impl Prepared {
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
-            ("REFLECTANCE_MODEL", f64::from(model)),
+            scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, crate::horizon::SERIES_WGSL].concat();
@@ -135,8 +133,8 @@ impl Prepared {
         }
         Ok(Self {
             pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
-            reflectance: gpu.storage("reflectance", &[reflectance]),
-            disk_tables: gpu.storage("disc tables", &tables),
+            reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
+            disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             heights: checked(gpu, "lifted heights", &store.heights_m)?,
             gradients: checked(gpu, "gradients", &store.gradients)?,
             maxima: checked(gpu, "maxima", &store.maxima_m)?,
@@ -308,12 +306,8 @@ fn gradients(level: &Level) -> Vec<[f32; 2]> {
 
 /// Lights by map, and by body last.
 fn lights(scene: &Scene, view: &View) -> Vec<LightParameters> {
-    let mut tables = 0;
-    let offsets: Vec<usize> =
-        view.lights.iter().map(|light| std::mem::replace(&mut tables, tables + light.disk.tables().len())).collect();
     let of_frame = |vector: &dyn Fn(Position<BodyFixed>) -> DVec3| -> Vec<LightParameters> {
-        let of_light = |(light, &offset): (&Light, &usize)| LightParameters::new(light, vector(light.position), offset);
-        view.lights.iter().zip(&offsets).map(of_light).collect()
+        view.lights.iter().map(|light| LightParameters::new(light, vector(light.position))).collect()
     };
     let maps = scene.surface.terrain.faces.iter().flat_map(|face| of_frame(&|position| face.map.map_vector(position)));
     maps.chain(of_frame(&|position| position.vector_m())).collect()

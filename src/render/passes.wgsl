@@ -18,11 +18,10 @@ struct ViewParameters {
 struct LightParameters {
     // Direction from the centre of projection, and 1/distance.
     direction: vec4f,
-    // Angular radius, irradiance of a plane that faces it, offset into the disc tables.
+    // Angular radius; irradiance of a plane that faces it.
     radius_rad: f32,
     irradiance_w_m2: f32,
-    tables_offset: u32,
-    padding: u32,
+    padding: vec2u,
 }
 
 struct Pixel {
@@ -181,9 +180,8 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
         let e_x = cross(e_y, s);
         let plane = vec3f(dot(facet.normal, s) / light.radius_rad, dot(facet.normal, e_x), dot(facet.normal, e_y));
         let line = skyline(facet, s, light.radius_rad);
-        let seen = disk_light(line.x, line.y, plane, light.tables_offset);
-        let cosine = light.radius_rad * (seen.fraction * plane.x + dot(seen.moment, plane.yz));
-        let irradiance = light.irradiance_w_m2 * max(cosine, 0.0);
+        let seen = disk_light(line.x, line.y, plane);
+        let irradiance = light.irradiance_w_m2 * irradiance_factor(seen, plane, light.radius_rad);
         if irradiance > 0.0 {
             let mu0 = min(irradiance / (light.irradiance_w_m2 * seen.fraction), 1.0);
             let mu = max(dot(facet.normal, to_camera), 0.0);

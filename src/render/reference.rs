@@ -128,14 +128,14 @@ fn illuminate(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, normal: Dir
             let map = &scene.surface.terrain.faces[face].map;
             let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
             let facet = axes.facet(map.map_from_body * normal, radius_rad);
-            let disc = Disc { disk: &light.disk, axes, angular_radius_rad: radius_rad, facet };
+            let disc = Disc { disk: &scene.disk, axes, angular_radius_rad: radius_rad, facet };
             let site = Site { map, face, level, lifted };
-            let seen = shadow.map_or_else(|| light.disk.light(HorizonLine::NONE, facet), |s| s.light(&site, &disc));
+            let seen = shadow.map_or_else(|| scene.disk.light(HorizonLine::NONE, facet), |s| s.light(&site, &disc));
             (seen, facet)
         }
         Ground::Bare | Ground::Gap => {
             let facet = SunAxes::new(towards, normal).facet(normal, radius_rad);
-            (light.disk.light(HorizonLine::NONE, facet), facet)
+            (scene.disk.light(HorizonLine::NONE, facet), facet)
         }
     };
     Lit { irradiance: light.irradiance_w_m2 * seen.irradiance_factor(facet, radius_rad), fraction: seen.fraction }

@@ -14,6 +14,8 @@ pub struct Scene {
     pub surface: Surface,
     pub shadows: Shadows,
     pub reflectance: Reflectance,
+    /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
+    pub disk: SolarDisk,
     pub optics: Optics,
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
@@ -48,7 +50,6 @@ pub struct Light {
     pub angular_radius_rad: f64,
     /// Irradiance of a plane that faces it, in the camera's band.
     pub irradiance_w_m2: f64,
-    pub disk: SolarDisk,
 }
 
 impl Scene {
