@@ -55,13 +55,13 @@ fn lunar_lambert_weight(phase_deg: f32) -> f32 {
 
 fn hapke_sr(p: ReflectanceParameters, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
     let half_phase_tan = sqrt((1.0 - phase_cosine) / max(1.0 + phase_cosine, 1e-12));
-    let rough = roughen(p.mean_slope_tan, mu0, mu, phase_cosine);
+    let rough = hapke_rough(p.mean_slope_tan, mu0, mu, phase_cosine);
     let single = hapke_phase(p, phase_cosine) * (1.0 + shadow_hiding(p, half_phase_tan));
     let multiple = hapke_h(p, rough.incidence_cosine / p.porosity_factor)
         * hapke_h(p, rough.emission_cosine / p.porosity_factor) - 1.0;
     return p.porosity_factor * p.single_scattering_albedo / (4.0 * PI)
         * rough.share_per_cosine / (rough.incidence_cosine + rough.emission_cosine)
-        * (single + multiple) * (1.0 + coherent(p, half_phase_tan));
+        * (single + multiple) * (1.0 + coherent_backscatter(p, half_phase_tan));
 }
 
 fn hapke_phase(p: ReflectanceParameters, phase_cosine: f32) -> f32 {
@@ -79,7 +79,7 @@ fn shadow_hiding(p: ReflectanceParameters, half_phase_tan: f32) -> f32 {
     return p.shadow_hiding_amplitude * width / max(width + half_phase_tan, 1e-12);
 }
 
-fn coherent(p: ReflectanceParameters, half_phase_tan: f32) -> f32 {
+fn coherent_backscatter(p: ReflectanceParameters, half_phase_tan: f32) -> f32 {
     if p.coherent_width == 0.0 {
         return 0.0;
     }
@@ -102,14 +102,14 @@ fn hapke_h(p: ReflectanceParameters, x: f32) -> f32 {
 }
 
 // Effective cosines of a rough surface, and the shadowed share of the ground per cosine of incidence.
-struct Rough {
+struct HapkeRough {
     incidence_cosine: f32,
     emission_cosine: f32,
     share_per_cosine: f32,
 }
 
 // One ray against the mean slope.
-struct Tilt {
+struct HapkeTilt {
     cosine: f32,
     sine: f32,
     e1: f32,
@@ -117,22 +117,22 @@ struct Tilt {
     eta: f32,
 }
 
-fn tilt(cosine: f32, slope_tan: f32, chi: f32) -> Tilt {
+fn hapke_tilt(cosine: f32, slope_tan: f32, chi: f32) -> HapkeTilt {
     let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
     let cotangents = min(cosine / (slope_tan * max(sine, 1e-6)), 1e3);
     let e1 = exp(-2.0 / PI * cotangents);
     let e2 = exp(-cotangents * cotangents / PI);
-    return Tilt(cosine, sine, e1, e2, chi * (cosine + sine * slope_tan * e2 / (2.0 - e1)));
+    return HapkeTilt(cosine, sine, e1, e2, chi * (cosine + sine * slope_tan * e2 / (2.0 - e1)));
 }
 
-fn roughen(slope_tan: f32, mu0: f32, mu: f32, phase_cosine: f32) -> Rough {
+fn hapke_rough(slope_tan: f32, mu0: f32, mu: f32, phase_cosine: f32) -> HapkeRough {
     if slope_tan == 0.0 {
-        return Rough(mu0, mu, 1.0);
+        return HapkeRough(mu0, mu, 1.0);
     }
     let chi = inverseSqrt(1.0 + PI * slope_tan * slope_tan);
     let swapped = mu0 < mu;
-    let near = tilt(max(mu0, mu), slope_tan, chi);
-    let far = tilt(min(mu0, mu), slope_tan, chi);
+    let near = hapke_tilt(max(mu0, mu), slope_tan, chi);
+    let far = hapke_tilt(min(mu0, mu), slope_tan, chi);
 
     // sin²(ψ/2), with ψ the azimuth between the rays; where one is vertical it does not matter.
     let sines = max(near.sine * far.sine, 1e-12);
@@ -145,7 +145,7 @@ fn roughen(slope_tan: f32, mu0: f32, mu: f32, phase_cosine: f32) -> Rough {
     let far_cosine = chi * (far.cosine + far.sine * slope_tan * (far.e2 - s2 * near.e2) / d);
     let visible = chi / (1.0 - f + f * chi * near.cosine / near.eta);
     let share_per_cosine = near_cosine * far_cosine / (near.eta * far.eta) * visible;
-    return Rough(
+    return HapkeRough(
         select(near_cosine, far_cosine, swapped),
         select(far_cosine, near_cosine, swapped),
         share_per_cosine,

@@ -223,10 +223,11 @@ impl SolarDisk {
         (share, (end(low) - end(high)) / (self.alpha + 2.0))
     }
 
-    /// The numbers that `solar_disk.wgsl` reads: three constants and a zero; `V` at `DISK_KNOTS` heights from −1
-    /// to 1; the share of a chord above the same heights; `DISK_COLUMNS` nodes and weights on [0, 1], in turns.
+    /// The numbers that `solar_disk.wgsl` reads: three constants and a zero; `V(h)` at `DISK_KNOTS` even steps of
+    /// `√(1 − h)` from 0 to 1; the share of a chord above the same heights; `DISK_COLUMNS` nodes and weights on
+    /// [0, 1], in turns.
     pub fn tables(&self) -> Vec<f32> {
-        let heights = (0..Self::KNOTS).map(|i| 2.0 * f64::from(i) / f64::from(Self::KNOTS - 1) - 1.0);
+        let heights = (0..Self::KNOTS).map(|i| 1.0 - (f64::from(i) / f64::from(Self::KNOTS - 1)).powi(2));
         let columns = gauss_legendre(Self::COLUMNS as usize).into_iter().flat_map(|(node, weight)| [node, weight]);
         [self.alpha, self.line_norm, self.chord_norm, 0.0]
             .into_iter()
@@ -237,8 +238,8 @@ impl SolarDisk {
             .collect()
     }
 
-    const KNOTS: u32 = 513;
-    const COLUMNS: u32 = 8;
+    const KNOTS: u32 = 257;
+    const COLUMNS: u32 = 12;
 
     /// The `override` values that go with [`SolarDisk::tables`].
     pub fn constants() -> [(&'static str, f64); 2] {

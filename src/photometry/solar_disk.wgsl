@@ -87,21 +87,26 @@ fn light_above(plane: HalfPlane) -> DiskLight {
 fn light_above_both(a: HalfPlane, b: HalfPlane) -> DiskLight {
     let sine = a.normal.x * b.normal.y - a.normal.y * b.normal.x;
     let cosine = dot(a.normal, b.normal);
-    if cosine > 0.0 && abs(sine) < PARALLEL_SINE {
+    if abs(sine) < PARALLEL_SINE {
+        if cosine < 0.0 {
+            return light_between(a, b);
+        }
         if a.height >= b.height {
             return light_above(a);
         }
         return light_above(b);
     }
     if lines_cross(a.height, b.height, sine, cosine) {
-        return light_in_wedge(a, b, sine, cosine);
+        // Columns along the line that hides more: they are shorter.
+        if a.height >= b.height {
+            return light_in_wedge(a, b, sine, cosine);
+        }
+        return light_in_wedge(b, a, -sine, cosine);
     }
     let a_above_b = a.height * cosine >= b.height;
     let b_above_a = b.height * cosine >= a.height;
     if a_above_b && b_above_a {
-        let first = light_above(a);
-        let second = light_above(b);
-        return DiskLight(max(first.fraction + second.fraction - 1.0, 0.0), first.moment + second.moment);
+        return light_between(a, b);
     }
     if a_above_b {
         return light_above(a);
@@ -110,6 +115,17 @@ fn light_above_both(a: HalfPlane, b: HalfPlane) -> DiskLight {
         return light_above(b);
     }
     return NO_LIGHT;
+}
+
+// What two caps that do not overlap leave of the disc.
+fn light_between(a: HalfPlane, b: HalfPlane) -> DiskLight {
+    let first = light_above(a);
+    let second = light_above(b);
+    let fraction = first.fraction + second.fraction - 1.0;
+    if fraction <= 0.0 {
+        return NO_LIGHT;
+    }
+    return DiskLight(fraction, first.moment + second.moment);
 }
 
 // Whether two lines meet inside the disc: a² + b² − 2ab cos < sin², written so that nearly parallel ones keep digits.
@@ -135,7 +151,7 @@ fn light_in_wedge(a: HalfPlane, b: HalfPlane, sine: f32, cosine: f32) -> DiskLig
         let chord = sqrt(square);
         let t = clamp((b.height - cosine * x) / (abs(sine) * chord), -1.0, 1.0);
         let weight = width * disk_tables[column + 1u] * pow(square, 0.5 * (alpha + 1.0)) / disk_tables[1];
-        let share = interpolate(4u + DISK_KNOTS, t);
+        let share = disk_table(4u + DISK_KNOTS, t);
         fraction += weight * share;
         moment += weight * vec2f(x * share, chord * power_of_rest(t, 0.5 * alpha + 1.0) / ((alpha + 2.0) * disk_tables[2]));
     }
@@ -147,7 +163,7 @@ fn light_in_wedge(a: HalfPlane, b: HalfPlane, sine: f32, cosine: f32) -> DiskLig
 }
 
 fn share_above(height: f32) -> f32 {
-    return interpolate(4u, height);
+    return disk_table(4u, height);
 }
 
 fn moment_above(height: f32) -> f32 {
@@ -161,9 +177,11 @@ fn power_of_rest(x: f32, exponent: f32) -> f32 {
     return select(pow(max(rest, LEAST_LENGTH), exponent), 0.0, rest < LEAST_LENGTH);
 }
 
-// A table with DISK_KNOTS values from −1 to 1, linear between.
-fn interpolate(first: u32, at: f32) -> f32 {
-    let place = clamp(0.5 * (at + 1.0), 0.0, 1.0) * f32(DISK_KNOTS - 1u);
+// A share above `at`, from DISK_KNOTS values of it over √(1 − |at|) from 0 to 1, linear between. Over that variable
+// a share has no kink at the limb.
+fn disk_table(first: u32, at: f32) -> f32 {
+    let place = sqrt(max(1.0 - abs(at), 0.0)) * f32(DISK_KNOTS - 1u);
     let knot = min(u32(place), DISK_KNOTS - 2u);
-    return mix(disk_tables[first + knot], disk_tables[first + knot + 1u], place - f32(knot));
+    let share = mix(disk_tables[first + knot], disk_tables[first + knot + 1u], place - f32(knot));
+    return select(share, 1.0 - share, at < 0.0);
 }

@@ -1,0 +1,3 @@
+//! What physics demands of any implementation.
+
+mod photometry;

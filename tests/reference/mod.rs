@@ -1,0 +1,3 @@
+//! Against others: closed forms, other programs, published values.
+
+mod photometry;
