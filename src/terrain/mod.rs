@@ -1,7 +1,9 @@
 //! The surface as height fields over gnomonic maps, on which every line of sight is straight.
 
+pub mod build;
 pub mod gnomonic;
 pub mod level;
 
+pub use build::{NestedDem, ResamplingError, build_cube, build_face};
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
