@@ -1,1 +1,18 @@
-//! To come.
+//! Georeferenced rasters in and out: elevation models as heights, and GeoTIFFs. The only user of GDAL.
+//!
+//! GDAL's objects are not shared between threads: a file is opened for the length of one call, and each
+//! thread makes its own [`Projector`]. GDAL's messages go into the errors of this module, never to the
+//! terminal.
+
+mod dem;
+mod digest;
+mod error;
+mod georeference;
+mod sample;
+mod write;
+
+pub use dem::{Dem, Options, Values, Window};
+pub use digest::digest;
+pub use error::Error;
+pub use georeference::{Georeference, Projector};
+pub use write::{Band, GeoTiff};

@@ -73,6 +73,11 @@ impl Level {
         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.height_m(column + c, row + r))
     }
 
+    /// True where one of a cell's corners is a gap.
+    pub fn cell_has_gap(&self, column: usize, row: usize) -> bool {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(c, r)| self.gap[self.index(column + c, row + r)])
+    }
+
     /// dH/dX and dH/dY at a node: central differences, one-sided at the edges.
     pub fn gradient(&self, column: usize, row: usize) -> DVec2 {
         let difference = |low: usize, high: usize, height: &dyn Fn(usize) -> f64| {

@@ -1,10 +1,12 @@
 //! The surface as height fields over gnomonic maps, on which every line of sight is straight.
 
+pub mod build;
 pub mod gnomonic;
 pub mod level;
 pub mod pyramid;
 pub mod surface;
 
+pub use build::{NestedDem, ResamplingError, build_cube, build_face};
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
 pub use pyramid::Pyramid;
