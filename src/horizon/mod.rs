@@ -1,1 +1,7 @@
-//! To come.
+//! The skyline around each surface point.
+pub mod settings;
+pub mod sphere;
+pub mod sweep;
+pub mod trace;
+
+pub use settings::Settings;

@@ -1,3 +1,5 @@
 //! Against others: closed forms, other programs, published values.
 
+mod horizon;
 mod photometry;
+mod raster;

@@ -1,0 +1,49 @@
+//! What a horizon is asked for.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// How horizons are searched. All of it shapes the result and is part of a tile's key.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Number of azimuths, evenly spaced, the first at 0.
+    pub azimuths: usize,
+    /// Terrain further away on the map does not occlude; `None` searches to the terrain's end. Beyond
+    /// the terrain's end lies the bare sphere either way.
+    pub search_m: Option<f64>,
+    /// Height of the observer above the ground, along the vertical.
+    pub observer_height_m: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { azimuths: 360, search_m: None, observer_height_m: 0.0 }
+    }
+}
+
+impl Settings {
+    /// Map azimuth of a sample: clockwise from map +Y towards map +X.
+    pub fn azimuth_rad(&self, index: usize) -> f64 {
+        TAU * index as f64 / self.azimuths as f64
+    }
+
+    /// Unit map direction of a sample.
+    pub fn direction(&self, index: usize) -> DVec2 {
+        direction(self.azimuth_rad(index))
+    }
+
+    pub(super) fn search_limit_m(&self) -> f64 {
+        self.search_m.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// The unit map direction `(sin A, cos A)` of a map azimuth, exact along the axes.
+pub fn direction(azimuth_rad: f64) -> DVec2 {
+    let (sin, cos) = azimuth_rad.sin_cos();
+    // The sine of a rounded multiple of π is some 1e-16, a slope that no grid resolves.
+    let snapped = |component: f64| if component.abs() < 1e-14 { 0.0 } else { component };
+    DVec2::new(snapped(sin), snapped(cos))
+}

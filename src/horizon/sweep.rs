@@ -1,0 +1,230 @@
+//! The horizons of all nodes of a level, one azimuth at a time.
+pub mod angle;
+pub mod far;
+pub mod grid;
+pub mod hull;
+pub mod line;
+pub mod near;
+pub mod ray;
+
+use glam::{DVec2, DVec3};
+
+use super::Settings;
+use super::trace::{Tracer, raised};
+use crate::terrain::{Face, Level};
+use angle::Place;
+use far::Far;
+use grid::{Grid, LANES, Major};
+use line::Placed;
+use near::Stencil;
+use ray::Ray;
+
+/// Major steps of the exact near field.
+pub const NEAR: usize = 32;
+
+/// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
+#[derive(Debug)]
+pub struct Receivers {
+    pub majors: usize,
+    pub minors: usize,
+    pub stride: usize,
+    pub margin: usize,
+    /// Lifted heights of the observers above the datum.
+    pub observers_m: Vec<f32>,
+}
+
+impl Receivers {
+    fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
+        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let (majors, minors) = match major {
+            Major::Row => (rows, columns),
+            Major::Column => (columns, rows),
+        };
+        let stride = minors.next_multiple_of(LANES);
+        let mut observers_m = vec![0.0; majors * stride];
+        for u in 0..majors {
+            for v in 0..minors {
+                let (column, row) = match major {
+                    Major::Row => (v, u),
+                    Major::Column => (u, v),
+                };
+                let foot = level.lifted_node(column + level.margin, row + level.margin);
+                let observer = raised(&face.map, foot, settings.observer_height_m);
+                observers_m[u * stride + v] = (observer.z - datum_m) as f32;
+            }
+        }
+        Self { majors, minors, stride, margin: level.margin, observers_m }
+    }
+
+    /// The row of receivers at a major index of the level.
+    fn row(&self, u: isize) -> Option<usize> {
+        let row = u - self.margin as isize;
+        (0..self.majors as isize).contains(&row).then_some(row as usize)
+    }
+
+    fn observers_of(&self, row: usize) -> &[f32] {
+        &self.observers_m[row * self.stride..(row + 1) * self.stride]
+    }
+}
+
+/// All that the azimuths along one major axis share.
+#[derive(Debug)]
+pub struct Sweep<'a> {
+    face: &'a Face,
+    level: usize,
+    settings: Settings,
+    major: Major,
+    datum_m: f64,
+    grids: Vec<Grid>,
+    twists_m: Vec<f32>,
+    pub receivers: Receivers,
+}
+
+impl<'a> Sweep<'a> {
+    /// Prepares one level of a face for the azimuths along `major`.
+    pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Self {
+        let levels = &face.levels[level..];
+        let datum_m = middle_m(&levels[0]);
+        let grids: Vec<_> = (levels.iter().enumerate())
+            .map(|(i, level)| Grid::new(level, major, if i == 0 { NEAR + 2 } else { 1 }, datum_m))
+            .collect();
+        let twists_m = grids[0].twists_m();
+        let receivers = Receivers::new(face, &levels[0], major, datum_m, settings);
+        Self { face, level, settings: *settings, major, datum_m, grids, twists_m, receivers }
+    }
+
+    /// Elevations of the skyline in a unit map direction along this sweep's major axis, as `Receivers` are laid
+    /// out, in radians.
+    pub fn elevations_rad(&self, direction: DVec2) -> Vec<f32> {
+        let ray = Ray::new(direction, self.major, self.grids[0].posting_m, self.settings.search_limit_m());
+        let fine = &self.grids[0];
+        let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
+        let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
+        let mut plane = vec![0.0; self.receivers.observers_m.len()];
+        far.sweep(&mut plane);
+        self.add_beyond(&far, &mut plane);
+        self.finish(&ray, &mut plane);
+        self.retrace(direction, &mut plane);
+        plane
+    }
+
+    /// Raises far slopes to those of coarser levels.
+    fn add_beyond(&self, far: &Far, slopes: &mut [f32]) {
+        let (fine, r) = (&self.grids[0], &self.receivers);
+        for mut beyond in far.beyond() {
+            for u in 0..r.majors {
+                let x_m = (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
+                for v in 0..r.minors {
+                    let i = u * r.stride + v;
+                    let y_m = (v + r.margin) as f64 * fine.posting_m;
+                    let slope = beyond.slope(x_m, y_m, r.observers_m[i]);
+                    // NaN stays: it asks for a trace.
+                    if slope > slopes[i] || slope.is_nan() {
+                        slopes[i] = slope;
+                    }
+                }
+            }
+        }
+    }
+
+    /// From far slopes to elevations, the near field included.
+    fn finish(&self, ray: &Ray, plane: &mut [f32]) {
+        let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f") {
+                // SAFETY: the processor has the instructions.
+                return unsafe { self.finish_avx512(ray, &stencil, plane) };
+            }
+            if is_x86_feature_detected!("avx2") {
+                // SAFETY: the processor has the instructions.
+                return unsafe { self.finish_avx2(ray, &stencil, plane) };
+            }
+        }
+        self.finish_plain(ray, &stencil, plane);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    unsafe fn finish_avx512(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
+        self.finish_plain(ray, stencil, plane);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    unsafe fn finish_avx2(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
+        self.finish_plain(ray, stencil, plane);
+    }
+
+    /// The same operations whatever the width of the machine's registers, and no fused ones: the same bytes.
+    #[inline(always)]
+    fn finish_plain(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
+        let (fine, r) = (&self.grids[0], &self.receivers);
+        let radius_m = self.face.map.radius_m;
+        let near_scale = (1.0 / (fine.posting_m * ray.length)) as f32;
+        let far_scale = (1.0 / ray.length) as f32;
+        let (height_scale, datum) = ((1.0 / radius_m) as f32, (self.datum_m / radius_m) as f32);
+        let coarsest = self.grids.last().expect("a face has levels");
+        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
+        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
+        for start in (0..r.stride).step_by(LANES) {
+            for u in 0..r.majors {
+                let i = u * r.stride + start;
+                let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
+                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
+                let at = fine.at(u + r.margin, start + r.margin);
+                let near = near::slopes(&fine.heights_m, &self.twists_m, stencil, at, observers_m);
+                let mut heights = [0.0; LANES];
+                for i in 0..LANES {
+                    let far = slopes[i] * far_scale;
+                    let near = near[i] * near_scale;
+                    slopes[i] = if near > far { near } else { far };
+                    heights[i] = observers_m[i] * height_scale + datum;
+                }
+                let place = Place {
+                    major: ((fine.origin_m.x + (u + r.margin) as f64 * fine.posting_m) / radius_m) as f32,
+                    minor: ((fine.origin_m.y + (start + r.margin) as f64 * fine.posting_m) / radius_m) as f32,
+                    spacing: (fine.posting_m / radius_m) as f32,
+                    direction: [ray.direction.x as f32, ray.direction.y as f32],
+                    end: [(end.x / radius_m) as f32, (end.y / radius_m) as f32],
+                };
+                *slopes = angle::elevations_rad(&place, &heights, slopes);
+            }
+        }
+    }
+
+    /// Traces the receivers whose tangent touched beyond the search distance.
+    fn retrace(&self, direction: DVec2, plane: &mut [f32]) {
+        if self.settings.search_m.is_none() {
+            return;
+        }
+        let tracer = Tracer::without_finer(self.face, self.level, &self.settings);
+        let r = &self.receivers;
+        for u in 0..r.majors {
+            for v in 0..r.minors {
+                let elevation = &mut plane[u * r.stride + v];
+                if elevation.is_nan() {
+                    *elevation = tracer.skyline(self.foot(u, v), direction).elevation_rad as f32;
+                }
+            }
+        }
+    }
+
+    /// Lifted point of the ground under a receiver.
+    pub fn foot(&self, u: usize, v: usize) -> DVec3 {
+        let level = &self.face.levels[self.level];
+        let (column, row) = match self.major {
+            Major::Row => (v, u),
+            Major::Column => (u, v),
+        };
+        level.lifted_node(column + level.margin, row + level.margin)
+    }
+}
+
+/// The middle of a level's heights: `f32` heights above it keep more digits.
+fn middle_m(level: &Level) -> f64 {
+    let valid = level.heights_m.iter().zip(&level.gap).filter(|(_, gap)| !**gap).map(|(height_m, _)| *height_m);
+    let (low, high) = valid.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
+    if low > high { 0.0 } else { f64::from(0.5 * (low + high)) }
+}

@@ -1,0 +1,104 @@
+//! Slopes to elevations, many receivers at once, in `f32`.
+
+use super::grid::LANES;
+use super::near::larger;
+
+/// What the receivers of a row share, lengths in map radii.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Major coordinate, minor coordinate of the first receiver, and their spacing.
+    pub major: f32,
+    pub minor: f32,
+    pub spacing: f32,
+    /// Unit (major, minor) direction.
+    pub direction: [f32; 2],
+    /// (major, minor) coordinates at which the terrain ends in that direction.
+    pub end: [f32; 2],
+}
+
+/// Elevations of the skyline, in radians, from lifted slopes and lifted heights in map radii:
+/// `Gnomonic::elevation_tangent` and `sphere::skyline_beyond`.
+#[inline(always)]
+pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
+    let mut tangents = [0.0; LANES];
+    let mut lowest = 1.0;
+    for i in 0..LANES {
+        tangents[i] = tangent(place, i, heights[i], slopes[i]);
+        lowest = if tangents[i] < lowest { tangents[i] } else { lowest };
+    }
+    // The bare sphere never rises above the local horizontal.
+    if lowest < 0.0 {
+        for i in 0..LANES {
+            tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
+        }
+    }
+    std::array::from_fn(|i| atan(tangents[i]))
+}
+
+#[inline(always)]
+fn minor_of(place: &Place, lane: usize) -> f32 {
+    place.minor + lane as f32 * place.spacing
+}
+
+#[inline(always)]
+fn tangent(place: &Place, lane: usize, height: f32, slope: f32) -> f32 {
+    let minor = minor_of(place, lane);
+    let inverse_cos = (1.0 + place.major * place.major + minor * minor).sqrt();
+    let q = (place.major * place.direction[0] + minor * place.direction[1]) / inverse_cos;
+    let radius_ratio = inverse_cos / (1.0 - height);
+    (slope * radius_ratio + q) / (1.0 - q * q).sqrt()
+}
+
+#[inline(always)]
+fn sphere_slope(place: &Place, lane: usize, h: f32) -> f32 {
+    let minor = minor_of(place, lane);
+    let [along, across] = place.direction;
+    let square = place.major * place.major + minor * minor;
+    let (k, m, p) = (1.0 + square, 1.0 - h, place.major * along + minor * across);
+    let above = square + h * (2.0 - h);
+    let run = |end: f32, at: f32, rate: f32| if rate == 0.0 { f32::MAX } else { (end - at) / rate };
+    let (by_major, by_minor) = (run(place.end[0], place.major, along), run(place.end[1], minor, across));
+    let edge = larger(if by_major < by_minor { by_major } else { by_minor }, 0.0);
+    let reach = |t: f32| (k + t * (2.0 * p + t)).sqrt();
+    let touch = (p * above + m * (larger(above, 0.0) * (k - p * p)).sqrt()) / (m * m - p * p);
+    let below = -m / k.sqrt() * (2.0 * p + edge) / (reach(edge) + k.sqrt());
+    let tangent = -(p + touch) / reach(touch);
+    let at_edge = -(above + edge * (2.0 * p + edge)) / ((m + reach(edge)) * edge);
+    if above <= 0.0 {
+        below
+    } else if touch >= edge {
+        tangent
+    } else {
+        at_edge
+    }
+}
+
+/// Arc tangent to 1e-7 rad: Abramowitz & Stegun 4.4.49 on [0, 1], with its own inverse beyond.
+#[inline(always)]
+pub fn atan(tangent: f32) -> f32 {
+    let size = tangent.abs();
+    let steep = size > 1.0;
+    let z = if steep { 1.0 / size } else { size };
+    let s = z * z;
+    let series = [0.002_866_225_7, -0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_088_99, 0.199_935_51, -0.333_331_45];
+    let mut sum = series[0];
+    for coefficient in &series[1..] {
+        sum = sum * s + coefficient;
+    }
+    let angle = z + z * s * sum;
+    let angle = if steep { std::f32::consts::FRAC_PI_2 - angle } else { angle };
+    angle.copysign(tangent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arc_tangent_is_right_to_two_tenths_of_a_microradian() {
+        for i in -4000..4000 {
+            let tangent = (f64::from(i) / 400.0).powi(3) as f32;
+            assert!((f64::from(atan(tangent)) - f64::from(tangent).atan()).abs() < 2e-7, "{tangent}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! A level's heights as a sweep wants them: rows along the minor axis, padded, gaps far below everything.
+
+use glam::DVec2;
+
+use crate::terrain::Level;
+
+/// Height of what never occludes: far below everything, yet finite, so that a share of 0 in it is 0.
+pub const NEVER_M: f32 = -1e30;
+
+/// Receivers are computed this many at a time.
+pub const LANES: usize = 32;
+
+/// The axis along which a line of sight advances by whole nodes: the one it runs along more closely.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Major {
+    Row,
+    Column,
+}
+
+impl Major {
+    pub fn of(direction: DVec2) -> Self {
+        if direction.y.abs() >= direction.x.abs() { Self::Row } else { Self::Column }
+    }
+
+    /// (major, minor) components of a map vector, and back.
+    pub fn split(self, vector: DVec2) -> DVec2 {
+        match self {
+            Self::Row => vector.yx(),
+            Self::Column => vector,
+        }
+    }
+}
+
+use glam::Vec2Swizzles as _;
+
+/// Occluding heights, `[major][minor]`, with a margin of [`NEVER_M`] all around.
+#[derive(Debug)]
+pub struct Grid {
+    pub majors: usize,
+    pub minors: usize,
+    pub stride: usize,
+    pad: usize,
+    pub posting_m: f64,
+    /// Map (major, minor) coordinates of node (0, 0).
+    pub origin_m: DVec2,
+    pub heights_m: Vec<f32>,
+}
+
+impl Grid {
+    /// Heights of `level` above `datum_m`, reachable up to `pad` nodes beyond its sides.
+    pub fn new(level: &Level, major: Major, pad: usize, datum_m: f64) -> Self {
+        let (majors, minors) = match major {
+            Major::Row => (level.rows, level.columns),
+            Major::Column => (level.columns, level.rows),
+        };
+        let stride = padded_stride(minors + 2 * pad);
+        // A last row of lanes may read past the end.
+        let mut heights_m = vec![NEVER_M; (majors + 2 * pad) * stride + LANES];
+        for u in 0..majors {
+            for v in 0..minors {
+                let node = match major {
+                    Major::Row => level.index(v, u),
+                    Major::Column => level.index(u, v),
+                };
+                if !level.gap[node] {
+                    heights_m[(u + pad) * stride + v + pad] = (f64::from(level.heights_m[node]) - datum_m) as f32;
+                }
+            }
+        }
+        let origin_m = major.split(level.node_m(0, 0));
+        Self { majors, minors, stride, pad, posting_m: level.posting_m, origin_m, heights_m }
+    }
+
+    /// Where node (u, v) lies in the padded arrays.
+    pub fn at(&self, u: usize, v: usize) -> usize {
+        (u + self.pad) * self.stride + v + self.pad
+    }
+
+    /// The padded row of a major index within the padding.
+    pub fn row(&self, u: isize) -> &[f32] {
+        let start = (u + self.pad as isize) as usize * self.stride;
+        &self.heights_m[start..start + self.stride]
+    }
+
+    pub fn pad(&self) -> usize {
+        self.pad
+    }
+
+    /// The twist `h₀₀ − h₁₀ − h₀₁ + h₁₁` of every cell, 0 where a gap touches it.
+    pub fn twists_m(&self) -> Vec<f32> {
+        let mut twists_m = vec![0.0; self.heights_m.len()];
+        for u in 0..self.majors - 1 {
+            for v in 0..self.minors - 1 {
+                let at = self.at(u, v);
+                let corners = [at, at + self.stride, at + 1, at + self.stride + 1].map(|i| self.heights_m[i]);
+                if corners.iter().all(|height_m| *height_m > NEVER_M) {
+                    twists_m[at] = corners[0] - corners[1] - corners[2] + corners[3];
+                }
+            }
+        }
+        twists_m
+    }
+}
+
+/// At least `length`, an odd number of cache lines: rows 4096 bytes apart would share one cache set.
+fn padded_stride(length: usize) -> usize {
+    let lines = length.div_ceil(16);
+    (lines | 1) * 16
+}
