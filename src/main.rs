@@ -17,16 +17,20 @@ struct Sim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Check(cli::check::Args),
     Horizon(cli::horizon::Args),
     Kernels(cli::kernels::Args),
+    Schema(cli::schema::Args),
     Sun(cli::sun::Args),
     Terrain(cli::terrain::Args),
 }
 
 fn main() -> ExitCode {
     let outcome = match Sim::parse().command {
+        Command::Check(args) => cli::check::run(args),
         Command::Horizon(args) => cli::horizon::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
+        Command::Schema(args) => cli::schema::run(args),
         Command::Sun(args) => cli::sun::run(args),
         Command::Terrain(args) => cli::terrain::run(args),
     };

@@ -1,7 +1,9 @@
 //! The program's subcommands, one file each: arguments in, text and exit code out.
 
+pub mod check;
 pub mod horizon;
 pub mod kernels;
+pub mod schema;
 pub mod sun;
 pub mod terrain;
 

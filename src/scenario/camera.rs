@@ -4,6 +4,9 @@ use super::resolve::Check;
 use super::resolved::{Camera, Detector, Outputs};
 use super::spec::{self, Spec};
 
+/// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
+const BAND_NM: [f64; 2] = [100.0, 20_000.0];
+
 /// 8192²: one float plane of it takes 256 MiB.
 const LARGEST_IMAGE_PIXELS: u64 = 1 << 26;
 
@@ -17,12 +20,10 @@ pub fn camera(written: &spec::Camera, check: &mut Check) -> Camera {
     let samples = written.samples_per_pixel;
     check.rule(side * side == samples, "camera.samples_per_pixel", samples, rule);
     if let Some((low, high)) = written.band_nm {
-        check.rule(
-            low < high,
-            "camera.band_nm",
-            format!("({low}, {high})"),
-            "must rise from its lower to its upper end",
-        );
+        let [lowest, highest] = BAND_NM;
+        let rule = format!("must rise from its lower to its upper end within [{lowest}, {highest}] nm");
+        let rises = lowest <= low && low < high && high <= highest;
+        check.rule(rises, "camera.band_nm", format!("({low}, {high})"), rule);
     }
     let middle = [f64::from(columns) / 2.0, f64::from(rows) / 2.0];
     Camera {

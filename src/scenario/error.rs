@@ -64,7 +64,7 @@ pub enum Fault {
     Needs(String),
     #[error("= \"{got}\" is not an epoch with its scale, as in 2026-08-01T00:00:00 UTC or 2026-08-01T00:00:00 TDB")]
     NotAnEpoch { got: String },
-    #[error("= \"{got}\" is not found in {}{}", list(looked_in), spaced_after(about))]
+    #[error("= \"{got}\" is not found{}{}", places(looked_in), spaced_after(about))]
     FileNotFound { got: String, looked_in: Vec<String>, about: Option<String> },
     #[error("= \"{got}\" is a directory, not a file")]
     IsADirectory { got: String },
@@ -76,6 +76,10 @@ fn prefix(key: &str) -> String {
 
 fn list(items: &[String]) -> String {
     items.join(", ")
+}
+
+fn places(looked_in: &[String]) -> String {
+    if looked_in.is_empty() { String::new() } else { format!(" in {}", list(looked_in)) }
 }
 
 fn did_you_mean(near: &Option<String>) -> String {

@@ -23,6 +23,7 @@ mod structure;
 mod tree;
 mod world;
 
+pub mod reference;
 pub mod spec;
 
 pub use error::{Fault, Problem, ScenarioError};
@@ -30,3 +31,4 @@ pub use files::Places;
 pub use resolve::{About, load, resolve};
 pub use resolved::*;
 pub use spec::Spec;
+pub use structure::schema;

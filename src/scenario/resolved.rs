@@ -21,8 +21,8 @@ pub struct Scenario {
     pub text: String,
     pub title: String,
     pub body: Body,
-    /// Body-fixed frame by its SPICE name.
-    pub frame: String,
+    /// Body-fixed frame by its SPICE name; `None`: the best that the kernels have.
+    pub frame: Option<String>,
     /// `None`: the shipped default kernels.
     pub kernels: Option<Vec<PathBuf>>,
     /// `None`: the bare spheroid.

@@ -27,18 +27,14 @@ pub fn body(written: &spec::Body) -> Body {
     }
 }
 
-pub fn frame(spec: &Spec, check: &mut Check) -> String {
-    let default = match spec.body {
-        spec::Body::Moon => "IAU_MOON",
-        spec::Body::Mars => "IAU_MARS",
-        spec::Body::Custom { .. } => "",
-    };
-    let frame = spec.frame.as_deref().unwrap_or(default);
-    check.needs(spec.frame.is_some() || !default.is_empty(), "body", "needs frame, the name of its body-fixed frame");
-    let is_name = frame.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit() || byte == b'_');
-    let named = spec.frame.is_none() || (is_name && !frame.is_empty());
+pub fn frame(spec: &Spec, check: &mut Check) -> Option<String> {
+    let known_body = !matches!(spec.body, spec::Body::Custom { .. });
+    check.needs(spec.frame.is_some() || known_body, "body", "needs frame, the name of its body-fixed frame");
+    let frame = spec.frame.as_deref()?;
+    let is_name = |byte: u8| byte.is_ascii_uppercase() || byte.is_ascii_digit() || byte == b'_';
+    let named = !frame.is_empty() && frame.bytes().all(is_name);
     check.rule(named, "frame", format!("{frame:?}"), "is not a frame's name, as in MOON_ME_DE440_ME421");
-    frame.into()
+    Some(frame.into())
 }
 
 pub fn kernels(written: &[String], check: &mut Check) -> Vec<PathBuf> {

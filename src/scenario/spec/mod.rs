@@ -26,7 +26,7 @@ pub struct Spec {
     #[serde(default)]
     pub body: Body,
     /// Body-fixed frame of all coordinates: IAU_MOON, MOON_ME_DE440_ME421, MOON_ME_DE421, IAU_MARS, … Default: the
-    /// IAU frame of the body.
+    /// best that the kernels have.
     #[serde(default)]
     pub frame: Option<String>,
     /// SPICE kernels: ephemerides (.bsp), orientation (.bpc, .epa), constants (.tpc). Default: the kernels that are

@@ -211,9 +211,8 @@ pub struct Camera {
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1024))]
     pub samples_per_pixel: u32,
-    /// Wavelengths between which the camera is sensitive. Default: the whole spectrum.
+    /// Wavelengths between which the camera is sensitive, within 100 to 20 000 nm. Default: the whole spectrum.
     #[serde(default)]
-    #[schemars(inner(range(min = 100.0, max = 20_000.0)))]
     pub band_nm: Option<(f64, f64)>,
     /// Focal length over the diameter of the aperture.
     #[serde(default = "f_number")]

@@ -1,0 +1,4 @@
+//! What the program says and writes.
+
+mod bad_input;
+mod scenario;
