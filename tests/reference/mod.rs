@@ -1,5 +1,6 @@
 //! Against others: closed forms, other programs, published values.
 
+mod ephemeris;
 mod horizon;
 mod photometry;
 mod raster;
