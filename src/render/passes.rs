@@ -36,8 +36,8 @@ const GROUP: usize = 64;
 
 /// Renders with compute shaders.
 #[derive(Debug)]
-pub struct Passes {
-    gpu: Gpu,
+pub struct Passes<'a> {
+    gpu: &'a Gpu,
     prepared: Option<Prepared>,
     /// Seconds the device spent on the last view, where it can tell.
     pub device_seconds: Option<f64>,
@@ -56,7 +56,6 @@ struct Prepared {
     levels: Vec<Packed>,
     /// Directions of the rays, in bands of whole pixels.
     bands: Vec<Band>,
-    rays_per_pixel: usize,
 }
 
 /// A level as the shader knows it, and where it comes from.
@@ -73,23 +72,23 @@ struct Band {
     rays: Buffer,
 }
 
-impl Passes {
-    pub fn new(gpu: Gpu) -> Self {
+impl<'a> Passes<'a> {
+    pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, prepared: None, device_seconds: None }
     }
 }
 
-impl Renderer for Passes {
+impl Renderer for Passes<'_> {
     fn adapter(&self) -> String {
         self.gpu.describe()
     }
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
         if self.prepared.is_none() {
-            self.prepared = Some(Prepared::new(&self.gpu, scene, view)?);
+            self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
         let prepared = self.prepared.as_ref().expect("prepared above");
-        let (pixels, centres, seconds) = prepared.dispatch(&self.gpu, scene, view)?;
+        let (pixels, centres, seconds) = prepared.dispatch(self.gpu, scene, view)?;
         self.device_seconds = seconds;
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
@@ -141,7 +140,6 @@ impl Prepared {
             texels: checked(gpu, "horizon maps", &store.texels)?,
             levels: store.levels,
             bands: bands(gpu, scene, &points),
-            rays_per_pixel,
         })
     }
 
@@ -156,8 +154,8 @@ impl Prepared {
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
         let levels: Vec<MapLevel> = self.levels.iter().map(|level| level.centred(scene, view)).collect();
         let lights = lights(scene, view);
-        let faces = gpu.storage("maps", &faces);
-        let levels = gpu.storage("levels", &levels);
+        let faces = gpu.storage("maps", &never_empty(faces));
+        let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), Some(0.0));
         for band in &self.bands {
@@ -285,6 +283,14 @@ impl Packed {
         let level = &face.levels[self.level];
         self.shader.about(level.grid_from_map(lifted.truncate()) - level.margin as f64)
     }
+}
+
+/// A binding holds at least one element; a scene without maps reads none of them.
+fn never_empty<T: bytemuck::Zeroable>(mut values: Vec<T>) -> Vec<T> {
+    if values.is_empty() {
+        values.push(T::zeroed());
+    }
+    values
 }
 
 /// Gradients of the seen nodes; those without heights of their own are marked.

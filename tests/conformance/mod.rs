@@ -5,6 +5,7 @@
 
 mod layout;
 mod photometry;
+mod render;
 
 use std::sync::OnceLock;
 

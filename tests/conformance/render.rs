@@ -1,0 +1,198 @@
+//! The compute pass against the reference renderer, image by image.
+
+use glam::{DVec2, DVec3};
+use perilune::camera::Camera as Optics;
+use perilune::geometry::{Body, Geodetic, Position, Rotation};
+use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
+use perilune::render::passes::Passes;
+use perilune::render::reference::Reference;
+use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune::terrain::{Face, Ground, Gnomonic, Level, Surface, Terrain};
+
+/// A level with the radius `radius_m(map direction)`, margin included.
+fn level(map: &Gnomonic, posting_m: f64, half: usize, margin: usize, height_m: &dyn Fn(DVec3) -> f64) -> Level {
+    let nodes = 2 * (half + margin) + 1;
+    let south_m = -((half + margin) as f64) * posting_m;
+    let mut level = Level {
+        columns: nodes,
+        rows: nodes,
+        posting_m,
+        west_m: south_m,
+        south_m,
+        heights_m: vec![0.0; nodes * nodes],
+        gap: vec![false; nodes * nodes],
+        margin,
+    };
+    for row in 0..nodes {
+        for column in 0..nodes {
+            let at_m = level.node_m(column, row);
+            let up = map.map_from_body.inverse() * map.up(at_m);
+            let index = level.index(column, row);
+            level.heights_m[index] = map.lifted_height_m(at_m, map.radius_m + height_m(up.unit())) as f32;
+        }
+    }
+    level
+}
+
+/// Waves on the sphere: the same on every map.
+fn waves(length_m: f64, height_m: f64) -> impl Fn(DVec3) -> f64 {
+    move |up| {
+        let k = 1_737_400.0 * std::f64::consts::TAU / length_m;
+        height_m * ((k * up.x).sin() + (k * up.y).sin() * (0.7 * k * up.z).cos())
+    }
+}
+
+fn nested() -> Terrain {
+    let map = Gnomonic::about(&Body::moon(), Geodetic::from_degrees(-88.0, 25.0, 0.0));
+    let heights = waves(2300.0, 110.0);
+    let coarse = level(&map, 160.0, 120, 0, &heights);
+    let mut fine = level(&map, 40.0, 100, 0, &heights);
+    for index in 0..fine.heights_m.len() {
+        let (column, row) = (index % fine.columns, index / fine.columns);
+        if [0, 200].contains(&column) || [0, 200].contains(&row) {
+            fine.heights_m[index] = coarse.bilinear_m(coarse.grid_from_map(fine.node_m(column, row))).unwrap() as f32;
+        }
+    }
+    // A hole in the near field.
+    for (column, row) in [(60, 70), (61, 70), (61, 71)] {
+        let index = fine.index(column, row);
+        fine.gap[index] = true;
+    }
+    Terrain { body: Body::moon(), faces: vec![Face { map, levels: vec![fine, coarse] }] }
+}
+
+fn cube() -> Terrain {
+    let body = Body::moon();
+    let maps = Gnomonic::cube(&body, Geodetic::from_degrees(20.0, 30.0, 0.0));
+    let heights = waves(300_000.0, 3000.0);
+    let faces = maps.map(|map| {
+        let half = 150;
+        let levels = vec![level(&map, map.radius_m / half as f64, half, 5, &heights)];
+        Face { map, levels }
+    });
+    Terrain { body, faces: faces.into() }
+}
+
+fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
+    let (columns, rows) = (160, 120);
+    let focal_px = columns as f64 / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
+    Scene {
+        surface: Surface::new(terrain),
+        shadows: Shadows::None,
+        reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
+        disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),
+        optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)),
+        samples_per_side: 2,
+        quantities: vec![Quantity::Radiance, Quantity::Range],
+    }
+}
+
+/// A camera at a point that looks at another, with the Sun at an elevation over the first's horizon.
+fn view(body: &Body, from: Geodetic, at: Geodetic, sun_elevation_deg: f64) -> View {
+    let position = body.position_from_geodetic(from);
+    let boresight = position.direction_to(body.position_from_geodetic(at)).unwrap().unit();
+    let right = boresight.cross(body.up(from).unit() + 1e-3 * DVec3::new(0.3, 0.5, 0.1)).normalize();
+    let local = body.local_from_body(at).inverse();
+    let (sin, cos) = sun_elevation_deg.to_radians().sin_cos();
+    let sun = local.turn(DVec3::new(0.6 * cos, 0.8 * cos, sin));
+    View {
+        camera_position: position,
+        camera_from_body: Rotation::from_axes(right, boresight.cross(right), boresight),
+        lights: vec![Light {
+            position: Position::from_m(1.496e11 * sun),
+            angular_radius_rad: 0.00465,
+            irradiance_w_m2: 1361.0,
+        }],
+    }
+}
+
+fn scenes() -> Vec<(&'static str, Scene, View)> {
+    let moon = Body::moon();
+    let at = |lat, lon, h| Geodetic::from_degrees(lat, lon, h);
+    let bare = || Terrain { body: Body::moon(), faces: vec![] };
+    let mars = Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
+    let oblate = Terrain { body: mars.clone(), faces: vec![] };
+    vec![
+        ("nested, oblique", scene(nested(), 50.0), view(&moon, at(-87.8, 24.0, 4000.0), at(-88.0, 25.0, 0.0), 3.0)),
+        ("nested, low", scene(nested(), 60.0), view(&moon, at(-88.0, 25.5, 300.0), at(-88.02, 24.0, 200.0), 1.5)),
+        ("nested, nadir", scene(nested(), 40.0), view(&moon, at(-88.0, 25.0, 2500.0), at(-88.0, 25.0, 0.0), 2.0)),
+        ("cube from 100 km", scene(cube(), 70.0), view(&moon, at(10.0, 60.0, 1e5), at(18.0, 66.0, 0.0), 15.0)),
+        ("cube from 5000 km", scene(cube(), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
+        ("sphere from 5000 km", scene(bare(), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
+        ("spheroid", scene(oblate, 60.0), view(&mars, at(40.0, -20.0, 3e6), at(41.0, -21.0, 0.0), 10.0)),
+    ]
+}
+
+/// How two renderings of a scene agree.
+#[derive(Debug)]
+struct Agreement {
+    /// Share of pixels away from depth edges within 1e-3 relative radiance.
+    radiance: f64,
+    /// Share of centres that meet the same kind of ground.
+    ground: f64,
+    /// 99th percentile of the range's relative difference.
+    range: f64,
+}
+
+fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
+    let smooth: Vec<usize> = (0..a.pixels.len()).filter(|&pixel| !at_depth_edge(scene, a, pixel)).collect();
+    let same = |&&pixel: &&usize| {
+        let (p, q) = (a.pixels[pixel].radiance_w_m2_sr, b.pixels[pixel].radiance_w_m2_sr);
+        // Below a ten-thousandth of sunlit ground's radiance a relative bound means nothing.
+        p.is_nan() && q.is_nan() || (p - q).abs() <= 1e-3 * p.abs().max(q.abs()) + 1e-4
+    };
+    let kind = |samples: &Samples, pixel: usize| samples.centres[pixel].map(|hit| match hit.ground {
+        Ground::Dem { level, .. } => level,
+        Ground::Gap => 100,
+        Ground::Bare => 101,
+    });
+    let mut ranges: Vec<f64> = (0..a.centres.len())
+        .filter_map(|pixel| Some((a.centres[pixel]?.distance_m, b.centres[pixel]?.distance_m)))
+        .map(|(p, q)| (p / q - 1.0).abs())
+        .collect();
+    ranges.sort_by(f64::total_cmp);
+    Agreement {
+        radiance: smooth.iter().filter(same).count() as f64 / smooth.len() as f64,
+        ground: (0..a.centres.len()).filter(|&p| kind(a, p) == kind(b, p)).count() as f64 / a.centres.len() as f64,
+        range: ranges.get(ranges.len() * 99 / 100).copied().unwrap_or(0.0),
+    }
+}
+
+/// True where a neighbour's range differs by more than 2 % or one of the two sees the sky or a gap.
+fn at_depth_edge(scene: &Scene, samples: &Samples, pixel: usize) -> bool {
+    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let (column, row) = (pixel % columns, pixel / columns);
+    let range = |c: usize, r: usize| samples.centres[r * columns + c].map(|hit| (hit.distance_m, hit.ground == Ground::Gap));
+    let here = range(column, row);
+    let neighbours = (row.saturating_sub(1)..=(row + 1).min(rows - 1))
+        .flat_map(|r| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).map(move |c| (c, r)));
+    neighbours.into_iter().any(|(c, r)| match (here, range(c, r)) {
+        (Some((p, a)), Some((q, b))) => (p / q - 1.0).abs() > 0.02 || a != b,
+        (None, None) => false,
+        _ => true,
+    })
+}
+
+#[test]
+fn the_pass_renders_what_the_reference_renders() {
+    let Some(gpu) = super::gpu() else { return };
+    for (name, scene, view) in scenes() {
+        let reference = Reference.samples(&scene, &view).unwrap();
+        let passes = Passes::new(gpu).samples(&scene, &view).unwrap();
+        let agreement = compare(&scene, &reference, &passes);
+        println!("{name}: {agreement:?}");
+        assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
+        assert!(agreement.ground >= 0.998, "{name}: {agreement:?}");
+        assert!(agreement.range < 1e-4, "{name}: {agreement:?}");
+    }
+}
+
+#[test]
+fn the_comparison_rejects_a_sun_a_hundredth_of_a_degree_off() {
+    let (_, scene, view) = scenes().swap_remove(0);
+    let mut moved = view.clone();
+    let sun = &mut moved.lights[0];
+    sun.position = Position::from_m(sun.position.vector_m() + 1.496e11 * DVec3::new(0.0, 0.0, 1.75e-4));
+    let (a, b) = (Reference.samples(&scene, &view).unwrap(), Reference.samples(&scene, &moved).unwrap());
+    assert!(compare(&scene, &a, &b).radiance < 0.999);
+}
