@@ -18,6 +18,7 @@ pub struct KnownFile {
     /// Agency, product and address.
     pub source: String,
     /// Missing where the file was not at hand.
+    #[serde(default)]
     pub sha256: Option<String>,
     /// Epochs for kernels, region for terrain.
     pub coverage: String,

@@ -1,4 +1,12 @@
-//! When things are where.
+//! When things are where: kernels, the Sun and the Earth in the sky, trajectories and attitudes.
+//!
+//! The only user of `anise` (kernels) and `sofars` (the series behind the default kernels), and the only place with
+//! kilometres: kernels state them. What leaves the module is in metres, radians and seconds, with frames in the types.
+//! An `Epoch` is an instant whatever its scale; kernels are asked in TDB, text is UTC unless it says otherwise.
+
+pub mod attitude;
+pub mod trajectory;
+
 mod almanac;
 mod daf;
 mod default_kernels;
@@ -14,6 +22,7 @@ pub use daf::{DafError, Kind, Segment};
 pub use default_kernels::{DEFAULT_KERNELS, default_kernel_folder, default_span, make_default_kernels};
 pub use epoch::{parse_epoch, utc_text};
 pub use error::EphemerisError;
+pub use hifitime::Epoch;
 pub use kernel::{Format, Kernel, sha256_hex};
 pub use manifest::{KnownFile, known_file, known_files};
 pub use names::{body_id, body_name, frame_name};

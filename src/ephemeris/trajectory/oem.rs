@@ -1,0 +1,393 @@
+//! CCSDS orbit ephemeris messages in keyword form (KVN), read and interpolated.
+//!
+//! Between states the position is the polynomial through positions and velocities of the nearest ones (Hermite), or
+//! through positions alone where a segment says `INTERPOLATION = LAGRANGE`; velocity is its derivative. Blocks of
+//! covariances are skipped, accelerations are not used.
+//!
+//! # Assumptions
+//! A segment without `INTERPOLATION_DEGREE` gets degree 7. Segments of turning frames (IAU_MOON, MOON_ME...) are
+//! interpolated there. `ICRF`, `EME2000` and `J2000` are one frame, as in SPICE (EME2000 is 0.02″ off).
+//!
+//! # References
+//! CCSDS 502.0-B-3 (2023), Orbit Data Messages, chapter 5.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use hifitime::{Epoch, TimeScale};
+
+use super::TrajectoryError;
+use crate::ephemeris::epoch::parse_in_scale;
+use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, body_id, utc_text};
+use crate::geometry::{BodyFixed, Position};
+
+const M_PER_KM: f64 = 1000.0;
+const DEFAULT_DEGREE: usize = 7;
+/// Higher degrees oscillate between equal steps.
+const DEGREE_AT_MOST: usize = 27;
+const INERTIAL_FRAMES: [&str; 3] = ["ICRF", "EME2000", "J2000"];
+
+/// A message: segments of states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Oem {
+    path: PathBuf,
+    segments: Vec<Segment>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Segment {
+    center: String,
+    frame: String,
+    uses_velocities: bool,
+    degree: usize,
+    useable_from: Epoch,
+    useable_until: Epoch,
+    states: Vec<State>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct State {
+    epoch: Epoch,
+    position_m: DVec3,
+    velocity_m_s: DVec3,
+}
+
+impl Oem {
+    pub fn read(path: &Path) -> Result<Self, TrajectoryError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| TrajectoryError::Unreadable { path: path.to_owned(), source })?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, TrajectoryError> {
+        let mut parser = Parser::default();
+        for (line, content) in (1..).zip(text.lines()) {
+            parser.take(content.trim()).map_err(|problem| fault(path, line, problem))?;
+        }
+        let last = text.lines().count();
+        parser.end_segment().map_err(|problem| fault(path, last, problem))?;
+        if parser.segments.is_empty() {
+            return Err(fault(path, last, "the message has no META_START".to_owned()));
+        }
+        Ok(Self { path: path.to_owned(), segments: parser.segments })
+    }
+
+    /// First and last epoch of all segments.
+    pub fn span(&self) -> (Epoch, Epoch) {
+        let first = self.segments.iter().map(|segment| segment.useable_from).min();
+        let last = self.segments.iter().map(|segment| segment.useable_until).max();
+        first.zip(last).expect("a message that was read has a segment")
+    }
+
+    /// Position and velocity in the turning frame.
+    pub fn state(
+        &self,
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        epoch: Epoch,
+    ) -> Result<(Position<BodyFixed>, DVec3), TrajectoryError> {
+        let holds = |segment: &&Segment| (segment.useable_from..=segment.useable_until).contains(&epoch);
+        // Where segments meet, the later one begins.
+        let segment = self.segments.iter().rev().find(holds).ok_or_else(|| {
+            let (from, until) = self.span();
+            TrajectoryError::OutsideSpan {
+                kind: "orbit ephemeris message",
+                epoch_utc: utc_text(epoch),
+                from_utc: utc_text(from),
+                until_utc: utc_text(until),
+            }
+        })?;
+        if body_id(&segment.center)? != frame.body.naif_id {
+            let (center, body) = (segment.center.clone(), frame.body.name.clone());
+            return Err(TrajectoryError::Center { path: self.path.clone(), center, body });
+        }
+        let (position_m, velocity_m_s) = segment.interpolate(epoch);
+        Ok(turned(almanac, frame, &segment.frame, epoch, position_m, velocity_m_s)?)
+    }
+}
+
+/// From the message's frame into the body's.
+fn turned(
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    given: &str,
+    epoch: Epoch,
+    position_m: DVec3,
+    velocity_m_s: DVec3,
+) -> Result<(Position<BodyFixed>, DVec3), EphemerisError> {
+    let turning = almanac.orientation(frame, epoch)?;
+    if INERTIAL_FRAMES.contains(&given) {
+        return Ok(turning.turn_state(position_m, velocity_m_s));
+    }
+    let given = almanac.body_frame(&frame.body.naif_id.to_string(), Some(given))?;
+    let position = Position::from_m(position_m);
+    if given.frame_id == frame.frame_id {
+        return Ok((position, velocity_m_s));
+    }
+    let (position_m, velocity_m_s) = almanac.orientation(&given, epoch)?.turn_state_back(position, velocity_m_s);
+    Ok(turning.turn_state(position_m, velocity_m_s))
+}
+
+fn fault(path: &Path, line: usize, problem: String) -> TrajectoryError {
+    TrajectoryError::Oem { path: path.to_owned(), line, problem }
+}
+
+/// What the parser is inside of.
+#[derive(Debug, Default, PartialEq)]
+enum Block {
+    #[default]
+    Header,
+    Meta,
+    States,
+    Covariance,
+}
+
+#[derive(Debug, Default)]
+struct Parser {
+    block: Block,
+    meta: Vec<(String, String)>,
+    states: Vec<State>,
+    time_scale: Option<TimeScale>,
+    segments: Vec<Segment>,
+}
+
+impl Parser {
+    fn take(&mut self, line: &str) -> Result<(), String> {
+        match (&self.block, line) {
+            (_, "") => Ok(()),
+            (_, line) if line.starts_with("COMMENT") => Ok(()),
+            (Block::Header | Block::States, "META_START") => {
+                self.end_segment()?;
+                self.block = Block::Meta;
+                Ok(())
+            }
+            (Block::Meta, "META_STOP") => {
+                self.block = Block::States;
+                self.time_scale = Some(self.time_scale()?);
+                Ok(())
+            }
+            (Block::States, "COVARIANCE_START") => {
+                self.block = Block::Covariance;
+                Ok(())
+            }
+            (Block::Covariance, "COVARIANCE_STOP") => {
+                self.block = Block::States;
+                Ok(())
+            }
+            (Block::Covariance, _) => Ok(()),
+            (Block::Header | Block::Meta, line) => self.take_keyword(line),
+            (Block::States, line) => self.take_state(line),
+        }
+    }
+
+    fn take_keyword(&mut self, line: &str) -> Result<(), String> {
+        let (key, value) = line.split_once('=').ok_or_else(|| format!("`{line}` is not KEYWORD = value"))?;
+        if self.block == Block::Meta {
+            self.meta.push((key.trim().to_owned(), value.trim().to_owned()));
+        }
+        Ok(())
+    }
+
+    fn take_state(&mut self, line: &str) -> Result<(), String> {
+        let mut words = line.split_whitespace();
+        let epoch = self.epoch(words.next().unwrap_or_default())?;
+        let numbers: Vec<f64> = words
+            .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or(format!("`{word}` is not a number")))
+            .collect::<Result<_, _>>()?;
+        let [x, y, z, vx, vy, vz] = match numbers[..] {
+            [x, y, z, vx, vy, vz] | [x, y, z, vx, vy, vz, _, _, _] => [x, y, z, vx, vy, vz].map(|km| km * M_PER_KM),
+            _ => return Err(format!("a state has 6 or 9 numbers after the epoch, got {}", numbers.len())),
+        };
+        if self.states.last().is_some_and(|last| last.epoch >= epoch) {
+            return Err("the epoch is not later than that of the state before".to_owned());
+        }
+        self.states.push(State { epoch, position_m: DVec3::new(x, y, z), velocity_m_s: DVec3::new(vx, vy, vz) });
+        Ok(())
+    }
+
+    fn optional(&self, key: &str) -> Option<&str> {
+        self.meta.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
+    }
+
+    fn required(&self, key: &str) -> Result<&str, String> {
+        self.optional(key).ok_or_else(|| format!("the segment's metadata lack {key}"))
+    }
+
+    fn time_scale(&self) -> Result<TimeScale, String> {
+        match self.required("TIME_SYSTEM")? {
+            "UTC" => Ok(TimeScale::UTC),
+            "TDB" => Ok(TimeScale::TDB),
+            "TT" => Ok(TimeScale::TT),
+            "TAI" => Ok(TimeScale::TAI),
+            "GPS" => Ok(TimeScale::GPST),
+            other => Err(format!("TIME_SYSTEM = {other}; allowed are UTC, TDB, TT, TAI and GPS")),
+        }
+    }
+
+    fn epoch(&self, text: &str) -> Result<Epoch, String> {
+        let scale = self.time_scale.ok_or("a state stands before META_STOP")?;
+        parse_in_scale(text, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))
+    }
+
+    fn optional_epoch(&self, key: &str) -> Result<Option<Epoch>, String> {
+        self.optional(key).map(|text| self.epoch(text)).transpose()
+    }
+
+    fn end_segment(&mut self) -> Result<(), String> {
+        match self.block {
+            Block::Header => return Ok(()),
+            Block::Meta => return Err("META_START without META_STOP".to_owned()),
+            Block::Covariance => return Err("COVARIANCE_START without COVARIANCE_STOP".to_owned()),
+            Block::States => {}
+        }
+        const NEEDED: usize = 2;
+        if self.states.len() < NEEDED {
+            return Err(format!("a segment needs at least {NEEDED} states, got {}", self.states.len()));
+        }
+        let (first, last) = (self.states[0].epoch, self.states[self.states.len() - 1].epoch);
+        let useable_from = self.optional_epoch("USEABLE_START_TIME")?.unwrap_or(first).max(first);
+        let useable_until = self.optional_epoch("USEABLE_STOP_TIME")?.unwrap_or(last).min(last);
+        let method = self.optional("INTERPOLATION").unwrap_or("HERMITE").to_uppercase();
+        let uses_velocities = match method.as_str() {
+            "HERMITE" => true,
+            "LAGRANGE" | "LINEAR" => false,
+            other => return Err(format!("INTERPOLATION = {other}; allowed are HERMITE, LAGRANGE and LINEAR")),
+        };
+        let degree = match (method.as_str(), self.optional("INTERPOLATION_DEGREE")) {
+            ("LINEAR", _) => 1,
+            (_, None) => DEFAULT_DEGREE,
+            (_, Some(text)) => text
+                .parse()
+                .ok()
+                .filter(|degree| (1..=DEGREE_AT_MOST).contains(degree))
+                .ok_or(format!("INTERPOLATION_DEGREE = {text} is outside [1, {DEGREE_AT_MOST}]"))?,
+        };
+        let (center, frame) = (self.required("CENTER_NAME")?.to_owned(), self.required("REF_FRAME")?.to_uppercase());
+        let states = std::mem::take(&mut self.states);
+        self.meta.clear();
+        self.segments.push(Segment { center, frame, uses_velocities, degree, useable_from, useable_until, states });
+        Ok(())
+    }
+}
+
+impl Segment {
+    /// Newton's polynomial through the states around `epoch`, each taken twice where velocities count, and its
+    /// derivative.
+    fn interpolate(&self, epoch: Epoch) -> (DVec3, DVec3) {
+        let window = self.window(epoch);
+        let repeats = if self.uses_velocities { 2 } else { 1 };
+        let knots: Vec<&State> = window.iter().flat_map(|state| std::iter::repeat_n(state, repeats)).collect();
+        // Seconds from the epoch asked for, so that the polynomial is wanted at 0.
+        let times_s: Vec<f64> = knots.iter().map(|state| (state.epoch - epoch).to_seconds()).collect();
+        let mut differences: Vec<DVec3> = knots.iter().map(|state| state.position_m).collect();
+        for order in 1..knots.len() {
+            for i in (order..knots.len()).rev() {
+                let span_s = times_s[i] - times_s[i - order];
+                differences[i] =
+                    if span_s == 0.0 { knots[i].velocity_m_s } else { (differences[i] - differences[i - 1]) / span_s };
+            }
+        }
+        let (mut position_m, mut velocity_m_s) = (DVec3::ZERO, DVec3::ZERO);
+        for (difference, time_s) in differences.iter().zip(&times_s).rev() {
+            velocity_m_s = position_m - velocity_m_s * *time_s;
+            position_m = *difference - position_m * *time_s;
+        }
+        (position_m, velocity_m_s)
+    }
+
+    /// The states nearest to an epoch that the degree asks for, as many before as after where there are such.
+    fn window(&self, epoch: Epoch) -> &[State] {
+        // A polynomial of degree d has d + 1 coefficients; a state with its velocity fixes two.
+        let wanted = if self.uses_velocities { self.degree / 2 + 1 } else { self.degree + 1 };
+        let count = wanted.clamp(2, self.states.len());
+        let after = self.states.partition_point(|state| state.epoch <= epoch);
+        let first = after.saturating_sub(count / 2).min(self.states.len() - count);
+        &self.states[first..first + count]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use hifitime::Unit;
+
+    use super::*;
+
+    const MU_KM3_S2: f64 = 4902.800_118_457_55;
+    const RADIUS_KM: f64 = 1837.4;
+
+    /// A circular orbit in the plane of x and z.
+    fn circular_km(elapsed_s: f64) -> [DVec3; 2] {
+        let rate_rad_s = (MU_KM3_S2 / RADIUS_KM.powi(3)).sqrt();
+        let (sin, cos) = (rate_rad_s * elapsed_s).sin_cos();
+        [DVec3::new(cos, 0.0, sin) * RADIUS_KM, DVec3::new(-sin, 0.0, cos) * RADIUS_KM * rate_rad_s]
+    }
+
+    fn message(extra_meta: &str) -> String {
+        let mut text = format!(
+            "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = X\n\nMETA_START\n\
+             OBJECT_NAME = TEST\nOBJECT_ID = 2026-001A\nCENTER_NAME = MOON\nREF_FRAME = ICRF\nTIME_SYSTEM = TDB\n\
+             START_TIME = 2026-01-01T00:00:00\nSTOP_TIME = 2026-01-01T01:00:00\n{extra_meta}META_STOP\nCOMMENT states\n"
+        );
+        for minute in (0..=60).step_by(2) {
+            let [r, v] = circular_km(f64::from(minute) * 60.0);
+            let (hour, minute) = (minute / 60, minute % 60);
+            writeln!(text, "2026-001T{hour:02}:{minute:02}:00 {} {} {} {} {} {}", r.x, r.y, r.z, v.x, v.y, v.z)
+                .unwrap();
+        }
+        text + "COVARIANCE_START\nEPOCH = 2026-01-01T00:00:00\n1.0\n2.0 3.0\nCOVARIANCE_STOP\n"
+    }
+
+    fn parse(text: &str) -> Result<Oem, TrajectoryError> {
+        Oem::parse(Path::new("orbit.oem"), text)
+    }
+
+    /// Largest errors in m and m/s between the states.
+    fn errors(text: &str) -> (f64, f64) {
+        let oem = parse(text).unwrap();
+        let start = crate::ephemeris::parse_epoch("2026-01-01T00:00:00 TDB").unwrap();
+        (0..=360).map(|i| f64::from(i) * 10.0).fold((0.0, 0.0), |(worst_m, worst_m_s), elapsed_s| {
+            let (position_m, velocity_m_s) = oem.segments[0].interpolate(start + elapsed_s * Unit::Second);
+            let [r, v] = circular_km(elapsed_s).map(|km| km * M_PER_KM);
+            (f64::max(worst_m, position_m.distance(r)), f64::max(worst_m_s, velocity_m_s.distance(v)))
+        })
+    }
+
+    /// Degree 7 errs by R (ω h)⁸ (9/16 · 1/4)²/8! = 1e-5 m between states h apart, degree 9 by about as little.
+    #[test]
+    fn states_two_minutes_apart_give_a_low_orbit_to_millimetres() {
+        let (hermite_m, hermite_m_s) = errors(&message(""));
+        assert!(hermite_m < 5e-3 && hermite_m_s < 1e-3, "{hermite_m} m {hermite_m_s} m/s");
+        let (lagrange_m, _) = errors(&message("INTERPOLATION = LAGRANGE\nINTERPOLATION_DEGREE = 9\n"));
+        assert!(lagrange_m < 1.0, "{lagrange_m} m");
+        let (linear_m, _) = errors(&message("INTERPOLATION = LINEAR\nINTERPOLATION_DEGREE = 1\n"));
+        // The sagitta of the chord: R (ω h)²/8.
+        let sagitta_m = MU_KM3_S2 / RADIUS_KM.powi(2) * 120.0_f64.powi(2) / 8.0 * M_PER_KM;
+        assert!((linear_m / sagitta_m - 1.0).abs() < 0.01, "{linear_m} m {sagitta_m} m");
+    }
+
+    #[test]
+    fn useable_times_narrow_the_span() {
+        let oem =
+            parse(&message("USEABLE_START_TIME = 2026-01-01T00:10:00\nUSEABLE_STOP_TIME = 2026-01-01T00:50:00\n"));
+        let (from, until) = oem.unwrap().span();
+        // Epochs are kept in TAI, which runs with TDB to 4e-10.
+        assert!(((until - from).to_seconds() - 2400.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn faults_are_told_with_their_line() {
+        let fault = |from: &str, to: &str| parse(&message("").replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(fault("TIME_SYSTEM = TDB", "TIME_SYSTEM = MET").contains("line 13: TIME_SYSTEM = MET"));
+        assert!(fault("TIME_SYSTEM = TDB\n", "").contains("lack TIME_SYSTEM"));
+        assert!(fault("CENTER_NAME = MOON\n", "").contains("lack CENTER_NAME"));
+        assert!(fault("2026-001T00:02:00", "2026-001T00:62:00").contains("line 16: epoch `2026-001T00:62:00`"));
+        assert!(fault("2026-001T00:04:00", "2026-001T00:02:00").contains("line 17: the epoch is not later"));
+        assert!(fault("1837.4 0 0", "1837.4 0 x").contains("line 15: `x` is not a number"));
+        assert!(fault("1837.4 0 0", "1837.4 0").contains("line 15: a state has 6 or 9 numbers"));
+        assert!(fault("REF_FRAME = ICRF", "REF_FRAME ICRF").contains("line 9: `REF_FRAME ICRF` is not KEYWORD"));
+        assert!(fault("COVARIANCE_STOP\n", "").contains("COVARIANCE_START without COVARIANCE_STOP"));
+        assert!(parse("CCSDS_OEM_VERS = 2.0\n").unwrap_err().to_string().contains("no META_START"));
+    }
+}
