@@ -3,6 +3,7 @@
 pub mod build;
 pub mod gnomonic;
 pub mod level;
+pub mod synthetic;
 
 pub use build::{NestedDem, ResamplingError, build_cube, build_face};
 pub use gnomonic::Gnomonic;
