@@ -8,8 +8,8 @@
 //! Heights refer to the body's reference spheroid. Those of Mars usually refer to the areoid, which
 //! differs from it by up to some km over a hemisphere, but by metres over a scene. Radii have no such doubt.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Once;
 
 use glam::DVec2;
 
@@ -17,8 +17,8 @@ use gdal::Dataset;
 use gdal::errors::GdalError;
 use gdal::raster::{GdalDataType, RasterBand};
 
-use super::{Error, Georeference, Projector};
-use crate::geometry::{Body, Geodetic, Position};
+use super::{Error, Georeference, Projector, keep_gdal_quiet};
+use crate::geometry::{Body, BodyFixed, Geodetic, Position};
 
 /// What the pixels of a raster mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,7 +57,7 @@ pub struct Options {
 }
 
 /// Heights on the pixels of a map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Dem {
     pub path: PathBuf,
     pub georeference: Georeference,
@@ -105,6 +105,7 @@ impl Dem {
             values: options.values,
             window,
             reduction,
+            whole: &whole,
             projector: whole.projector()?,
             masked: Vec::new(),
         };
@@ -119,6 +120,21 @@ impl Dem {
             Self { path: path.into(), georeference: reduced, columns, rows, heights_m, seams: Seams::default() };
         dem.seams = dem.find_seams()?;
         Ok(dem)
+    }
+
+    /// Points of the surface at pixel coordinates; at the mean height where there is no data.
+    pub fn points(&self, body: &Body, pixels: &[DVec2]) -> Result<Vec<Position<BodyFixed>>, Error> {
+        let mean_m = self.mean_m();
+        let height_m = |&pixel| Some(self.height_m(pixel)).filter(|height_m| height_m.is_finite()).unwrap_or(mean_m);
+        let heights_m: Vec<f64> = pixels.iter().map(height_m).collect();
+        Ok(self.georeference.projector()?.positions(body, pixels, &heights_m))
+    }
+
+    /// Mean of the heights that are known.
+    pub fn mean_m(&self) -> f64 {
+        let known = self.heights_m.iter().filter(|height| !height.is_nan());
+        let (count, sum) = known.fold((0.0, 0.0), |(count, sum), &height| (count + 1.0, sum + f64::from(height)));
+        sum / count
     }
 
     /// Share of pixels without data.
@@ -167,10 +183,11 @@ impl Dem {
     }
 }
 
-/// Messages reach the user through our errors. GDAL's default prints them to the terminal as well.
-pub(super) fn keep_gdal_quiet() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| gdal::config::set_error_handler(|_, _, _| {}));
+impl fmt::Debug for Dem {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { path, columns, rows, georeference, .. } = self;
+        write!(f, "Dem {{ {path:?}, {columns} x {rows}, {georeference:?}, .. }}")
+    }
 }
 
 fn open_dataset(path: &Path) -> Result<Dataset, Error> {
@@ -191,9 +208,9 @@ fn choose_band<'a>(path: &Path, dataset: &'a Dataset, wanted: Option<usize>) -> 
         (_, Some(band)) => return Err(Error::NoSuchBand { path: path.into(), band, bands }),
     };
     let band = dataset.rasterband(band).map_err(|source| Error::Damaged { path: path.into(), source })?;
-    let kind = band.band_type().name();
-    if kind.starts_with('C') {
-        return Err(Error::Complex { path: path.into(), kind });
+    // The bindings know the real types only.
+    if band.band_type() == GdalDataType::Unknown {
+        return Err(Error::NotReal { path: path.into() });
     }
     Ok(band)
 }
@@ -259,6 +276,7 @@ struct Reader<'a> {
     values: Values,
     window: Window,
     reduction: usize,
+    whole: &'a Georeference,
     projector: Projector<'a>,
     masked: Vec<u8>,
 }
@@ -330,8 +348,10 @@ impl Reader<'_> {
             DVec2::new((self.window.column + index % columns) as f64, (first_row + index / columns) as f64)
         };
         let pixels: Vec<DVec2> = (0..values.len()).map(pixel).collect();
-        for (value, on_figure) in values.iter_mut().zip(self.projector.positions(&pixels)) {
-            let point = Position::from_m(on_figure.vector_m().normalize() * *value);
+        let figure = &self.whole.figure;
+        for (value, on_figure) in values.iter_mut().zip(self.projector.geodetics(&pixels)) {
+            let towards = figure.position_from_geodetic(on_figure).vector_m().normalize();
+            let point = Position::from_m(towards * *value);
             *value = self.body.geodetic_from_position(point).height_m;
         }
     }

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::sync::Once;
 
 use gdal::errors::GdalError;
 
@@ -23,8 +24,8 @@ pub enum Error {
     ManyBands { path: PathBuf, bands: usize },
     #[error("{path} has no band {band}, only 1 to {bands}")]
     NoSuchBand { path: PathBuf, band: usize, bands: usize },
-    #[error("{path} holds complex numbers ({kind}), heights are real")]
-    Complex { path: PathBuf, kind: String },
+    #[error("{path} holds complex numbers or an unknown type, heights are real")]
+    NotReal { path: PathBuf },
     #[error("{path} holds no valid height: every pixel is nodata")]
     AllNodata { path: PathBuf },
     #[error("window of {columns} x {rows} pixels at ({column}, {row}) leaves {path}, which has {width} x {height}")]
@@ -43,4 +44,10 @@ pub enum Error {
     Write { path: PathBuf, source: GdalError },
     #[error("cannot move {from} to {to}")]
     Rename { from: PathBuf, to: PathBuf, source: io::Error },
+}
+
+/// GDAL's messages reach the user through our errors. By default it prints them to the terminal as well.
+pub(super) fn keep_gdal_quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| gdal::config::set_error_handler(|_, _, _| {}));
 }

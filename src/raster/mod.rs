@@ -14,5 +14,6 @@ mod write;
 pub use dem::{Dem, Options, Values, Window};
 pub use digest::digest;
 pub use error::Error;
+use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
 pub use write::{Band, GeoTiff};

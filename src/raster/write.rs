@@ -12,8 +12,7 @@ use gdal::{Dataset, DriverManager, Metadata};
 
 use gdal::errors::GdalError;
 
-use super::Error;
-use super::dem::keep_gdal_quiet;
+use super::{Error, keep_gdal_quiet};
 
 /// One band: what it holds, and its values row by row from the top left.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -76,7 +76,7 @@ pub fn build_face(
     max_nodes_per_side: usize,
 ) -> Result<(Face, Vec<ResamplingError>), Error> {
     let map = Gnomonic::about(body, centre);
-    let grids = grid::plan(&map, dems)?;
+    let grids = grid::plan(body, &map, dems)?;
     let mut levels: Vec<Level> = Vec::new();
     let mut errors = Vec::new();
     // Coarsest first: a finer level rests on the coarser one.
@@ -129,7 +129,7 @@ pub fn build_cube(
         sample(body, &map, &grid, dem, &mut heights_m)?;
         let gap = heights_m.iter().map(|height| height.is_nan()).collect();
         sample(body, &map, &grid, &filled, &mut heights_m)?;
-        fill::replace_missing(&mut heights_m, fill::mean(&filled));
+        fill::replace_missing(&mut heights_m, filled.mean_m());
         Ok(Face { levels: vec![Level { gap, margin, ..level(body, &map, &grid, &heights_m) }], map })
     };
     let faces = Gnomonic::cube(body, centre).into_iter().map(face).collect::<Result<Vec<_>, _>>()?;
@@ -199,12 +199,13 @@ fn smooth_step(t: f64) -> f64 {
 /// Puts the model's heights on the nodes that have none yet.
 fn sample(body: &Body, map: &Gnomonic, grid: &Grid, dem: &Dem, heights_m: &mut [f64]) -> Result<(), Error> {
     dem.georeference.projector()?;
+    let start_m = dem.mean_m();
     heights_m.par_chunks_mut(grid.columns).enumerate().with_min_len(32).for_each_init(
         || dem.georeference.projector().expect("made once above"),
         |projector, (row, heights_m)| {
             let wanted: Vec<usize> = (0..grid.columns).filter(|&column| heights_m[column].is_nan()).collect();
             let nodes_m: Vec<DVec2> = wanted.iter().map(|&column| grid.at(column, row)).collect();
-            let mut found_m = vec![0.0; wanted.len()];
+            let mut found_m = vec![start_m; wanted.len()];
             for _ in 0..if body.is_sphere() { 1 } else { 3 } {
                 let points: Vec<_> = nodes_m
                     .iter()

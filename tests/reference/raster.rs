@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 use perilune::geometry::{Body, Geodetic, Position};
-use perilune::raster::{Band, Dem, Error, GeoTiff, Options, Values, Window};
+use perilune::raster::{Band, Dem, Error, GeoTiff, Georeference, Options, Values, Window};
 use perilune::terrain::build::MAX_NODES_PER_SIDE;
 use perilune::terrain::{NestedDem, build_cube, build_face};
 
@@ -363,21 +363,21 @@ fn the_radii_of_a_spheroid_are_heights_of_zero_on_it() {
 fn crs_of_the_iau_registry_keep_x_east() {
     let folder = tempfile::tempdir().unwrap();
     let heights: Vec<f32> = (0..100).map(|index| (index % 10) as f32).collect();
-    for (crs, body, x0) in [
-        ("IAU_2015:30100", Body::moon(), 20.0),
-        ("IAU_2015:30110", Body::moon(), 20f64.to_radians() * R),
-        ("IAU_2015:49901", mars(), -20.0),
-    ] {
+    for (crs, body, x0) in
+        [("IAU_2015:30100", Body::moon(), 20.0), ("IAU_2015:30110", Body::moon(), 20f64.to_radians() * R)]
+    {
         let path = folder.path().join("iau.tif");
         let step = x0.abs() / 20.0;
         write(&path, 10, 10, crs, [x0 - 0.5 * step, step, 0.0, 0.0, 0.0, -step], &heights);
         let dem = Dem::open(&path, &body, &Options::default()).unwrap();
         let at = |longitude_deg| body.position_from_geodetic(Geodetic::from_degrees(-3.0, longitude_deg, 0.0));
         let pixels = dem.georeference.projector().unwrap().pixels(&[at(20.0), at(22.0)]);
-        // A raster of west-positive longitudes −20, −19, … runs west to east backwards.
-        let (first, second) = if crs.ends_with("901") { (0.0, -2.0) } else { (0.0, 2.0) };
-        assert!((pixels[0].x - first).abs() < 1e-6 && (pixels[1].x - second).abs() < 1e-6, "{crs} {pixels:?}");
+        assert!(pixels[0].x.abs() < 1e-6 && (pixels[1].x - 2.0).abs() < 1e-6, "{crs} {pixels:?}");
     }
+    // GeoTIFF cannot say that longitude runs west; formats with a WKT can. Longitude 340 W is 20 E.
+    let ographic = Georeference::new("IAU_2015:49901", [0.0, 1.0, 0.0, 90.0, 0.0, -1.0], 360).unwrap();
+    let point = mars().position_from_geodetic(Geodetic::from_degrees(0.0, 20.0, 0.0));
+    assert!((ographic.projector().unwrap().pixels(&[point])[0].x - 339.5).abs() < 1e-6);
 }
 
 /// Hard case 27: a hole is a gap with the heights around it, and far from it nothing changes.
@@ -521,7 +521,7 @@ fn what_is_wrong_with_a_file_is_said() {
     let complex = at("complex.tif");
     let (from, to) = (good.to_str().unwrap(), complex.to_str().unwrap());
     if gdal("gdal_translate", &["-q", "-ot", "CFloat32", from, to]).is_some() {
-        assert!(matches!(refuse(&complex), Error::Complex { .. }));
+        assert!(matches!(refuse(&complex), Error::NotReal { .. }));
         gdal("gdal_translate", &["-q", "-co", "PROFILE=BASELINE", from, plain.to_str().unwrap()]).unwrap();
         assert!(matches!(refuse(&plain), Error::NoCrs { .. }), "{}", refuse(&plain));
     }
@@ -582,7 +582,8 @@ fn faces_of_a_cube_share_their_edges() {
         // Keys on half-degree pixels, and a lifted height of −1272 km in f32 (0.06 m).
         assert!((corner.length() - R - bump(corner.normalize())).abs() < 0.2);
     }
-    assert!(error.samples > 200_000 && error.rms_m < 30.0, "{error:?}");
+    // Bilinear in H is not bilinear in radius: posting²/(8R) in each direction, 230 m at 40 km.
+    assert!(error.samples > 200_000 && error.max_m < 240.0, "{error:?}");
 }
 
 /// Against `gdallocationinfo`, which reads the pixel under a latitude and longitude.
@@ -596,9 +597,6 @@ fn site01_heights_are_what_gdallocationinfo_reads() {
         // South polar stereographic in closed form: x = ρ sin λ, y = ρ cos λ.
         let latitude_deg = -90.0 + 2.0 * (f64::hypot(x, y) / (2.0 * R)).atan().to_degrees();
         let longitude_deg = x.atan2(y).to_degrees();
-        let (lon, lat) = (format!("{longitude_deg:.12}"), format!("{latitude_deg:.12}"));
-        let arguments = ["-valonly", "-wgs84", path.to_str().unwrap(), &lon, &lat];
-        let _ = arguments;
         let by_map = ["-valonly", "-geoloc", path.to_str().unwrap(), &x.to_string(), &y.to_string()];
         let Some(expected) = gdal("gdallocationinfo", &by_map) else { return };
         let expected: f64 = expected.trim().parse().unwrap();
@@ -633,7 +631,7 @@ fn site01_nests_in_the_polar_cap() {
         let under = coarse.bilinear_m(coarse.grid_from_map(fine.node_m(column, row))).unwrap();
         assert!((fine.height_m(column, row) - under).abs() < 1e-3);
     }
-    assert!(errors[0].rms_m < 1.0 && errors[0].samples > 400_000, "{errors:?}");
+    assert!(errors[0].rms_m < 1.0 && errors[0].samples > 200_000, "{errors:?}");
 }
 
 #[test]
@@ -641,7 +639,7 @@ fn gale_builds_on_a_spheroid_with_its_gaps() {
     let Some(path) = data("mars_gale_hirise_1m_348x337.tif") else { return };
     let dem = Dem::open(&path, &mars(), &Options::default()).unwrap();
     let middle = DVec2::new(174.0, 168.0);
-    let centre = mars().geodetic_from_position(dem.georeference.projector().unwrap().positions(&[middle])[0]);
+    let centre = mars().geodetic_from_position(dem.points(&mars(), &[middle]).unwrap()[0]);
     let (face, errors) = build_face(&mars(), centre, &[NestedDem::whole(&dem)], MAX_NODES_PER_SIDE).unwrap();
     let level = &face.levels[0];
     let gaps = level.gap.iter().filter(|gap| **gap).count();

@@ -102,13 +102,6 @@ pub(super) fn filled(dem: &Dem) -> Dem {
     dem.with_heights(heights_m.into_iter().map(|height| height as f32).collect())
 }
 
-/// Mean of the heights that are known.
-pub(super) fn mean(dem: &Dem) -> f64 {
-    let known = dem.heights_m.iter().filter(|height| !height.is_nan());
-    let (count, sum) = known.fold((0.0, 0.0), |(count, sum), &height| (count + 1.0, sum + f64::from(height)));
-    sum / count
-}
-
 pub(super) fn replace_missing(values: &mut [f64], by: f64) {
     values.iter_mut().filter(|value| value.is_nan()).for_each(|value| *value = by);
 }

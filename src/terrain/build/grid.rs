@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 
 use super::{Error, NestedDem};
-use crate::geometry::Position;
+use crate::geometry::{Body, Position};
 use crate::raster::Dem;
 use crate::terrain::{Gnomonic, Level};
 
@@ -122,12 +122,12 @@ impl Grid {
 }
 
 /// The grid of each level before its size is checked and its empty edges are dropped.
-pub(super) fn plan(map: &Gnomonic, dems: &[NestedDem]) -> Result<Vec<Grid>, Error> {
+pub(super) fn plan(body: &Body, map: &Gnomonic, dems: &[NestedDem]) -> Result<Vec<Grid>, Error> {
     let finest = dems.first().ok_or(Error::NoDem)?;
     for nested in dems {
         check_lengths(nested)?;
     }
-    let natural = dems.iter().map(|nested| Pixel::nearest(map, nested.dem)).collect::<Result<Vec<_>, _>>()?;
+    let natural = dems.iter().map(|nested| Pixel::nearest(body, map, nested.dem)).collect::<Result<Vec<_>, _>>()?;
     let mut posting_m = finest.posting_m.unwrap_or(natural[0].posting_m);
     let anchor_m = natural[0].at_m - posting_m * (natural[0].at_m / posting_m).round();
     let mut grids = Vec::with_capacity(dems.len());
@@ -135,7 +135,7 @@ pub(super) fn plan(map: &Gnomonic, dems: &[NestedDem]) -> Result<Vec<Grid>, Erro
         if index > 0 {
             posting_m = coarser_posting(nested, natural[index].posting_m, posting_m)?;
         }
-        let covered = extent(map, nested)?;
+        let covered = extent(body, map, nested)?;
         let path = || nested.dem.path.clone();
         grids.push(Grid::inside(anchor_m, posting_m, covered).ok_or_else(|| Error::Apart { path: path() })?);
     }
@@ -171,7 +171,7 @@ struct Pixel {
 }
 
 impl Pixel {
-    fn nearest(map: &Gnomonic, dem: &Dem) -> Result<Self, Error> {
+    fn nearest(body: &Body, map: &Gnomonic, dem: &Dem) -> Result<Self, Error> {
         let projector = dem.georeference.projector()?;
         let centre =
             Position::from_m(map.origin.vector_m() + map.map_from_body.inverse().turn(glam::DVec3::Z * map.radius_m));
@@ -181,8 +181,8 @@ impl Pixel {
         let nearest = if at.is_nan() { middle } else { (at + 1e-6).floor().clamp(DVec2::ZERO, 2.0 * middle) };
         let steps = [DVec2::ZERO, DVec2::X / 2.0, -DVec2::X / 2.0, DVec2::Y / 2.0, -DVec2::Y / 2.0];
         let pixels: Vec<DVec2> = steps.iter().map(|step| (nearest + step).max(DVec2::ZERO).min(2.0 * middle)).collect();
-        let on_map: Vec<Option<DVec2>> = projector
-            .positions(&pixels)
+        let on_map: Vec<Option<DVec2>> = dem
+            .points(body, &pixels)?
             .into_iter()
             .map(|point| map.lifted_from_body(point).map(|lifted| lifted.truncate()))
             .collect();
@@ -211,15 +211,14 @@ fn map_centre(map: &Gnomonic) -> [f64; 2] {
 }
 
 /// The rectangle of the map that holds all of the model, or the part of it asked for.
-fn extent(map: &Gnomonic, nested: &NestedDem) -> Result<Rectangle, Error> {
+fn extent(body: &Body, map: &Gnomonic, nested: &NestedDem) -> Result<Rectangle, Error> {
     let dem = nested.dem;
     let limit_m = nested.extent_m.map_or(map.radius_m, |extent_m| (extent_m / 2.0).min(map.radius_m));
     let probe = |index: usize, count: usize| index as f64 / (PROBES - 1) as f64 * (count - 1) as f64;
     let pixels: Vec<DVec2> = (0..PROBES * PROBES)
         .map(|index| DVec2::new(probe(index % PROBES, dem.columns), probe(index / PROBES, dem.rows)))
         .collect();
-    let projector = dem.georeference.projector()?;
-    let points = projector.positions(&pixels).into_iter();
+    let points = dem.points(body, &pixels)?.into_iter();
     // Points far off keep their side of the map: the model reaches at least that far.
     let in_view = points.map(|point| map.map_vector(point)).filter(|p| p.z > 0.05 * map.radius_m);
     let (mut low_m, mut high_m) = (DVec2::INFINITY, DVec2::NEG_INFINITY);

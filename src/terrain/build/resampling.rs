@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::{Error, FEATHER_POSTINGS};
-use crate::geometry::{Body, Geodetic};
+use crate::geometry::Body;
 use crate::raster::Dem;
 use crate::terrain::{Gnomonic, Level};
 
@@ -51,11 +51,9 @@ pub(super) fn measure(
     let mut errors_m = Vec::new();
     for row in (0..dem.rows).step_by(stride) {
         let pixels: Vec<DVec2> = columns.iter().map(|&column| DVec2::new(column as f64, row as f64)).collect();
-        let points = projector.positions(&pixels);
-        for (&column, point) in columns.iter().zip(points) {
-            let height_m = f64::from(dem.heights_m[row * dem.columns + column]);
-            let on_body = body.geodetic_from_position(point);
-            let point = body.position_from_geodetic(Geodetic { height_m, ..on_body });
+        let height_m = |&column: &usize| f64::from(dem.heights_m[row * dem.columns + column]);
+        let heights_m: Vec<f64> = columns.iter().map(height_m).collect();
+        for point in projector.positions(body, &pixels, &heights_m) {
             errors_m.extend(error_m(map, level, border, map.map_vector(point)).filter(|error_m| !error_m.is_nan()));
         }
     }
@@ -64,7 +62,7 @@ pub(super) fn measure(
 
 /// Radius of the level minus that of a point, in map axes from the centre of projection.
 fn error_m(map: &Gnomonic, level: &Level, border: f64, point: glam::DVec3) -> Option<f64> {
-    if point.z <= 0.0 {
+    if point.is_nan() || point.z <= 0.0 {
         return None;
     }
     let at_m = point.truncate() * (map.radius_m / point.z);

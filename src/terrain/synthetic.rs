@@ -1,0 +1,292 @@
+//! A synthetic cratered highland with published statistics, for scenes without data.
+//!
+//! ```text
+//! h = massif + Σ craters, oldest first, + fractal
+//! ```
+//!
+//! **Craters** have the cumulative density `N(>D) = 0.0724 (D/km)^−b` per km² with `b = 1.83`: the
+//! empirical equilibrium (saturation) of densely cratered surfaces, which small craters reach everywhere.
+//! Their places are uniform, their shapes and ages in [`profile`]. A younger crater erases the relief of
+//! what it hits before its own is added, so that large young craters hold no old small ones.
+//!
+//! **Fractal.** Octaves of gradient noise from four pixels to the breakover at 2 km with amplitudes
+//! `λ^H`, `H = 0.95`: self-affine up to about 1 km as measured over the lunar highlands. It lies over
+//! craters too, as the regolith does.
+//!
+//! **Massif.** A ridge across the map, bent and notched by noise of long wavelength, of a given relief.
+//!
+//! Every random number is a function of the seed and of what it is for (a stream of ChaCha8 for each
+//! crater and each octave), so that neither the number of threads nor their order changes a bit.
+//!
+//! # Assumptions
+//! Sizes are metres of the map: a crater is round on the map, and on the ground as far as the projection
+//! is conformal and true to scale (gnomonic: `sec² c`, 1.0005 at 40 km from the centre). No boulders, no
+//! secondaries in rays, no complex craters: keep diameters under 15 km.
+//!
+//! # References
+//! Hartmann (1984), Icarus 60, 56, doi:10.1016/0019-1035(84)90026-6, the density and its exponent;
+//! Trask (1966), JPL Technical Report 32-800, `N(>D) = 10^10.9 D^−2` per 10⁶ km², D in m, within 10 % at 100 m;
+//! Xiao & Werner (2015), JGR Planets 120, 2277, doi:10.1002/2015JE004860, equilibrium on the Moon;
+//! Rosenburg et al. (2011), JGR 116, E02001, doi:10.1029/2010JE003716, Hurst exponents and slopes.
+
+mod craters;
+mod noise;
+mod profile;
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+pub use craters::Crater;
+use craters::Field;
+use noise::Noise;
+
+use crate::geometry::{Body, Geodetic};
+use crate::raster::{self, Band, GeoTiff, Georeference};
+
+/// Cumulative number of craters larger than 1 km in a km². Hartmann (1984): log N = −1.14 − 1.83 log D.
+pub const DENSITY_PER_KM2: f64 = 0.0724;
+
+/// Exponent of the cumulative size distribution. Hartmann (1984).
+pub const EQUILIBRIUM_EXPONENT: f64 = 1.83;
+
+/// Median Hurst exponent of the lunar highlands. Rosenburg et al. (2011).
+const HURST: f64 = 0.95;
+
+/// Wavelength above which the surface is no longer self-affine. Rosenburg et al. (2011): about 1 km.
+const BREAKOVER_M: f64 = 2000.0;
+
+/// How the map lies on the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    Gnomonic,
+    PolarStereographic,
+    Equirectangular,
+    Orthographic,
+}
+
+/// What to make.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    pub columns: usize,
+    pub rows: usize,
+    pub posting_m: f64,
+    pub seed: u64,
+    pub centre: Geodetic,
+    pub projection: Projection,
+    /// Diameters of the largest and the smallest crater.
+    pub largest_m: f64,
+    pub smallest_m: f64,
+    /// Craters per area, in units of the equilibrium density.
+    pub density: f64,
+    pub exponent: f64,
+    /// Height of the massif over its surroundings.
+    pub relief_m: f64,
+    /// RMS slope of the fractal between pixels.
+    pub roughness: f64,
+}
+
+impl Parameters {
+    /// A polar highland: 1.5 km of relief where the map is large enough to hold it.
+    pub fn highland(columns: usize, rows: usize, posting_m: f64, seed: u64) -> Self {
+        let side_m = columns.min(rows) as f64 * posting_m;
+        Self {
+            columns,
+            rows,
+            posting_m,
+            seed,
+            centre: Geodetic::from_degrees(-89.0, 0.0, 0.0),
+            projection: Projection::Gnomonic,
+            largest_m: (side_m / 4.0).min(12_000.0),
+            smallest_m: 4.0 * posting_m,
+            density: 1.0,
+            exponent: EQUILIBRIUM_EXPONENT,
+            relief_m: (0.05 * side_m).min(1500.0),
+            roughness: 0.035,
+        }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let refuse = |key, got, allowed| Err(Error::Range { key, got, allowed });
+        if self.columns < 2 || self.rows < 2 {
+            return refuse("columns, rows", self.columns.min(self.rows) as f64, "2 and more");
+        }
+        let positive = [("posting_m", self.posting_m), ("smallest_m", self.smallest_m), ("exponent", self.exponent)];
+        for (key, got) in positive {
+            if !(got.is_finite() && got > 0.0) {
+                return refuse(key, got, "more than 0");
+            }
+        }
+        for (key, got) in [("density", self.density), ("relief_m", self.relief_m), ("roughness", self.roughness)] {
+            if !(got.is_finite() && got >= 0.0) {
+                return refuse(key, got, "0 and more");
+            }
+        }
+        if !(self.largest_m.is_finite() && self.largest_m > self.smallest_m) {
+            return refuse("largest_m", self.largest_m, "more than smallest_m");
+        }
+        Ok(())
+    }
+
+    /// The CRS as a PROJ string on the body's figure.
+    fn crs(&self, body: &Body) -> String {
+        let (a, b) = (body.equatorial_radius_m, body.polar_radius_m);
+        let figure = if body.is_sphere() { format!("+R={a}") } else { format!("+a={a} +b={b}") };
+        let (latitude_deg, longitude_deg) =
+            (self.centre.latitude_rad.to_degrees(), self.centre.longitude_east_rad.to_degrees());
+        let projection = match self.projection {
+            Projection::Gnomonic => format!("+proj=gnom +lat_0={latitude_deg} +lon_0={longitude_deg}"),
+            Projection::Orthographic => format!("+proj=ortho +lat_0={latitude_deg} +lon_0={longitude_deg}"),
+            Projection::PolarStereographic => {
+                format!("+proj=stere +lat_0={} +lon_0=0 +k=1", 90f64.copysign(latitude_deg))
+            }
+            Projection::Equirectangular => format!("+proj=eqc +lat_ts={latitude_deg} +lon_0={longitude_deg}"),
+        };
+        format!("{projection} {figure} +units=m +no_defs")
+    }
+}
+
+/// What keeps a terrain from being made.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error("{key} = {got} is outside the allowed range: {allowed}")]
+    Range { key: &'static str, got: f64, allowed: &'static str },
+    #[error(transparent)]
+    Raster(#[from] raster::Error),
+}
+
+/// Heights and the craters in them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synthetic {
+    pub columns: usize,
+    pub rows: usize,
+    /// Metres above the body's spheroid, row by row from the top left.
+    pub heights_m: Vec<f32>,
+    /// Largest first.
+    pub craters: Vec<Crater>,
+    /// PROJ string.
+    pub crs: String,
+    pub geotransform: [f64; 6],
+}
+
+/// Makes a terrain; `progress` hears of craters done and of all there are.
+pub fn generate(
+    body: &Body,
+    parameters: &Parameters,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Synthetic, Error> {
+    parameters.check()?;
+    let (crs, geotransform) = georeference(body, parameters)?;
+    let Parameters { columns, rows, posting_m, seed, .. } = *parameters;
+    let side_m = columns.min(rows) as f64 * posting_m;
+    let massif = Massif::new(seed, side_m, parameters.relief_m);
+    let fractal = Fractal::new(seed, posting_m, side_m, parameters.roughness);
+
+    let mut heights_m = vec![0.0; columns * rows];
+    add(&mut heights_m, parameters, |at_m| massif.height_m(at_m));
+    let field = Field::draw(parameters);
+    field.stamp(&mut heights_m, progress);
+    add(&mut heights_m, parameters, |at_m| fractal.height_m(at_m));
+    let craters = field.listed(&crs, geotransform)?;
+    Ok(Synthetic { columns: parameters.columns, rows: parameters.rows, heights_m, craters, crs, geotransform })
+}
+
+impl Synthetic {
+    pub fn write(&self, path: &std::path::Path) -> Result<(), Error> {
+        let bands = vec![Band { name: "height", unit: "m", values: &self.heights_m }];
+        let Self { columns, rows, geotransform, .. } = *self;
+        Ok(GeoTiff { columns, rows, bands, crs: &self.crs, geotransform }.write(path)?)
+    }
+
+    /// The craters as comma-separated values.
+    pub fn craters_csv(&self) -> String {
+        let header = "id,longitude_deg,latitude_deg,x_m,y_m,diameter_m,depth_m,degradation,buried\n";
+        self.craters.iter().fold(header.to_owned(), |text, crater| text + &crater.csv_line())
+    }
+}
+
+/// CRS and affine map with the centre of the raster on the centre asked for.
+fn georeference(body: &Body, parameters: &Parameters) -> Result<(String, [f64; 6]), Error> {
+    let crs = parameters.crs(body);
+    let probe = Georeference::new(&crs, [0.0, 1.0, 0.0, 0.0, 0.0, 1.0], parameters.columns)?;
+    let centre = body.position_from_geodetic(Geodetic { height_m: 0.0, ..parameters.centre });
+    // Pixels of one metre counted from the origin of the map.
+    let middle = probe.projector()?.pixels(&[centre])[0] + 0.5;
+    let half = DVec2::new(parameters.columns as f64, parameters.rows as f64) * (parameters.posting_m / 2.0);
+    let middle = if middle.length() < 1e-3 { DVec2::ZERO } else { middle };
+    let (west, north) = (middle.x - half.x, middle.y + half.y);
+    Ok((crs, [west, parameters.posting_m, 0.0, north, 0.0, -parameters.posting_m]))
+}
+
+/// Adds a field of heights, given by metres from the raster's middle.
+fn add(heights_m: &mut [f32], parameters: &Parameters, field_m: impl Fn(DVec2) -> f64 + Sync) {
+    let Parameters { columns, rows, posting_m, .. } = *parameters;
+    heights_m.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
+        for (column, height_m) in line.iter_mut().enumerate() {
+            let at_m = DVec2::new(column as f64 - 0.5 * columns as f64, 0.5 * rows as f64 - row as f64) * posting_m;
+            *height_m += field_m(at_m) as f32;
+        }
+    });
+}
+
+/// A bent, notched ridge and hills beside it.
+struct Massif {
+    bend: Noise,
+    notch: Noise,
+    hills: Noise,
+    towards: DVec2,
+    side_m: f64,
+    relief_m: f64,
+}
+
+impl Massif {
+    fn new(seed: u64, side_m: f64, relief_m: f64) -> Self {
+        let [bend, notch, hills] = [100, 101, 102].map(|stream| Noise::new(seed, stream));
+        let angle_rad = PI * bend.offset().x;
+        Self { bend, notch, hills, towards: DVec2::from_angle(angle_rad), side_m, relief_m }
+    }
+
+    fn height_m(&self, at_m: DVec2) -> f64 {
+        let at = at_m / self.side_m;
+        let sum = |noise: &Noise, first: f64, octaves: i32| -> f64 {
+            (0..octaves).map(|k| noise.value(at * first * 2f64.powi(k)) * 0.5f64.powi(k)).sum()
+        };
+        // Distance from a line that wanders by a fifth of the map.
+        let across = at.dot(self.towards) + 0.22 * sum(&self.bend, 1.7, 4);
+        let crest = 0.75 + 0.6 * sum(&self.notch, 2.3, 4);
+        let ridge = crest * (-(across / 0.17).powi(2)).exp();
+        self.relief_m * (ridge + 0.45 * sum(&self.hills, 2.6, 5))
+    }
+}
+
+/// Self-affine noise with a given slope between pixels.
+struct Fractal {
+    octaves: Vec<(Noise, f64, f64)>,
+}
+
+impl Fractal {
+    fn new(seed: u64, posting_m: f64, side_m: f64, roughness: f64) -> Self {
+        // Not 2, so that the lattices of the octaves never coincide.
+        const LACUNARITY: f64 = 1.87;
+        let longest_m = BREAKOVER_M.min(side_m / 2.0);
+        let mut octaves = Vec::new();
+        let mut wavelength_m = 4.0 * posting_m;
+        while wavelength_m <= longest_m {
+            octaves.push((Noise::new(seed, 200 + octaves.len() as u64), wavelength_m, wavelength_m.powf(HURST)));
+            wavelength_m *= LACUNARITY;
+        }
+        // Squared slopes of the octaves add up.
+        let squared: f64 = octaves.iter().map(|(_, l, amplitude)| (amplitude / l * noise::RMS_SLOPE).powi(2)).sum();
+        let scale = if squared > 0.0 { roughness / squared.sqrt() } else { 0.0 };
+        octaves.iter_mut().for_each(|(_, _, amplitude)| *amplitude *= scale);
+        Self { octaves }
+    }
+
+    fn height_m(&self, at_m: DVec2) -> f64 {
+        self.octaves.iter().map(|(noise, wavelength_m, amplitude)| amplitude * noise.value(at_m / *wavelength_m)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests;
