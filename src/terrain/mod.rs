@@ -3,12 +3,9 @@
 pub mod build;
 pub mod gnomonic;
 pub mod level;
-<<<<<<< HEAD
 pub mod pyramid;
 pub mod surface;
-=======
 pub mod synthetic;
->>>>>>> raster
 
 pub use build::{NestedDem, ResamplingError, build_cube, build_face};
 pub use gnomonic::Gnomonic;

@@ -114,7 +114,7 @@ impl Surface {
             let march = March { level: &levels[level], pyramid: &self.pyramids[face][level], segment };
             if let Some((s, cell)) = march.first_hit(mips - 1, from, until) {
                 let lifted = segment.at(s);
-                let gap = levels[level].is_gap(cell);
+                let gap = levels[level].cell_has_gap(cell.0, cell.1);
                 return Some((if gap { Ground::Gap } else { Ground::Dem { face, level, lifted } }, lifted));
             }
         }
@@ -127,11 +127,6 @@ impl Surface {
 impl Level {
     fn is_below_m(&self, lifted: DVec3) -> bool {
         self.bilinear_m(self.grid_from_map(lifted.truncate())).is_some_and(|ground_m| lifted.z < ground_m)
-    }
-
-    /// True where a corner of the cell has no height of its own.
-    pub fn is_gap(&self, (column, row): (usize, usize)) -> bool {
-        [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(c, r)| self.gap[self.index(column + c, row + r)])
     }
 
     /// The seen part alone, as a level without margin.
