@@ -1,0 +1,159 @@
+//! From the scenario's elevation models to the surface and its horizons.
+
+use std::path::{Path, PathBuf};
+
+use super::{Error, Progress};
+use crate::dataset::Input;
+use crate::geometry::{Body, Geodetic};
+use crate::horizon::{self, HorizonMap};
+use crate::raster::{self, Dem};
+use crate::scenario::{self, Scenario};
+use crate::terrain::build::MAX_NODES_PER_SIDE;
+use crate::terrain::synthetic::{self, Parameters};
+use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
+
+/// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
+const CUBE_MARGIN_M: f64 = 300_000.0;
+
+/// The surface, where it comes from, and what resampling did to it.
+#[derive(Debug)]
+pub struct Ground {
+    pub surface: Surface,
+    /// The terrain's centre; the sub-solar geometry of records refers to it.
+    pub centre: Geodetic,
+    pub inputs: Vec<Input>,
+    /// One line a level.
+    pub resampling: Vec<String>,
+}
+
+/// Opens (or makes) the DEMs and lifts them onto levels.
+pub fn surface(scenario: &Scenario, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Ground, Error> {
+    let Some(terrain) = &scenario.terrain else {
+        let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+        let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
+        return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
+    };
+    let mut dems = Vec::new();
+    for written in &terrain.dems {
+        dems.push(open(written, body, cache, progress)?);
+    }
+    let mut inputs = Vec::new();
+    for dem in &dems {
+        let name = file_name(&dem.path);
+        inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
+    }
+    let centre = match terrain.centre {
+        Some(centre) => centre,
+        None => middle(&dems[0])?,
+    };
+    progress.begin("lifting terrain", dems.len(), "DEMs");
+    let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
+    progress.at(dems.len(), dems.len());
+    let resampling = errors.iter().map(ToString::to_string).collect();
+    Ok(Ground { surface: Surface::new(Terrain { body: body.clone(), faces }), centre, inputs, resampling })
+}
+
+fn faces(
+    body: &Body,
+    centre: Geodetic,
+    written: &[scenario::Dem],
+    dems: &[Dem],
+) -> Result<(Vec<Face>, Vec<crate::terrain::ResamplingError>), Error> {
+    if let [scenario::Dem::Cube { posting_m, .. }] = written {
+        let posting_m = posting_m.unwrap_or_else(|| own_posting_m(&dems[0]));
+        let (faces, error) = build_cube(body, centre, &dems[0], posting_m, CUBE_MARGIN_M, MAX_NODES_PER_SIDE)?;
+        return Ok((faces, vec![error]));
+    }
+    let nested: Vec<NestedDem> = written
+        .iter()
+        .zip(dems)
+        .map(|(written, dem)| match *written {
+            scenario::Dem::File { posting_m, extent_m, .. } => NestedDem { dem, posting_m, extent_m },
+            scenario::Dem::Synthetic { .. } | scenario::Dem::Cube { .. } => NestedDem::whole(dem),
+        })
+        .collect();
+    let (face, errors) = build_face(body, centre, &nested, MAX_NODES_PER_SIDE)?;
+    Ok((vec![face], errors))
+}
+
+fn own_posting_m(dem: &Dem) -> f64 {
+    dem.georeference.pixel_size() * dem.georeference.metres_per_unit()
+}
+
+/// The point in the middle of a DEM's pixels.
+fn middle(dem: &Dem) -> Result<Geodetic, Error> {
+    let pixel = glam::DVec2::new((dem.columns - 1) as f64, (dem.rows - 1) as f64) / 2.0;
+    let point = dem.georeference.projector()?.geodetics(&[pixel])[0];
+    Ok(Geodetic { height_m: 0.0, ..point })
+}
+
+fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Dem, Error> {
+    let (path, values, posting_m) = match written {
+        scenario::Dem::File { path, values, posting_m, .. } => (path.clone(), *values, *posting_m),
+        scenario::Dem::Cube { path, values, posting_m } => (path.clone(), *values, *posting_m),
+        &scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } => {
+            let parameters =
+                Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) };
+            (synthetic_file(body, &parameters, cache, progress)?, scenario::Values::Height, None)
+        }
+    };
+    progress.begin(&format!("reading {}", file_name(&path)), 1, "file");
+    let values = match values {
+        scenario::Values::Auto => raster::Values::Auto,
+        scenario::Values::Height => raster::Values::Height,
+        scenario::Values::Radius => raster::Values::Radius,
+    };
+    Ok(Dem::open(&path, body, &raster::Options { values, posting_m, ..Default::default() })?)
+}
+
+/// A synthetic terrain's file, made where it is not there yet. Its name holds all that shapes it.
+fn synthetic_file(
+    body: &Body,
+    parameters: &Parameters,
+    cache: &Path,
+    progress: &dyn Progress,
+) -> Result<PathBuf, Error> {
+    let shape = format!("{} {body:?} {parameters:?}", env!("CARGO_PKG_VERSION"));
+    let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+    let path = cache.join("terrain").join(format!("highland-{}.tif", &key[..16]));
+    if path.is_file() {
+        return Ok(path);
+    }
+    progress.begin("making terrain", 0, "craters");
+    let terrain = synthetic::generate(body, parameters, &|done, total| progress.at(done, total))?;
+    let folder = path.parent().unwrap_or(cache);
+    std::fs::create_dir_all(folder).map_err(|source| Error::Unwritable { path: folder.into(), source })?;
+    // The craters first: the terrain's name says that both are there.
+    let craters = path.with_extension("craters.csv");
+    std::fs::write(&craters, terrain.craters_csv()).map_err(|source| Error::Unwritable { path: craters, source })?;
+    terrain.write(&path)?;
+    Ok(path)
+}
+
+/// Horizon maps of all levels, by face, from tiles that are built where they are not there yet.
+pub fn horizons(
+    surface: &Surface,
+    settings: &horizon::Settings,
+    cache: &Path,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<HorizonMap>>, Error> {
+    let folder = cache.join("horizon");
+    let faces = &surface.terrain.faces;
+    let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
+    let mut tile = 0;
+    let mut maps = Vec::new();
+    for face in faces {
+        let mut levels = Vec::new();
+        for level in 0..face.levels.len() {
+            tile += 1;
+            progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
+            levels.push(horizon::build(face, level, settings, &folder, &|done, total| progress.at(done, total))?);
+        }
+        maps.push(levels);
+    }
+    Ok(maps)
+}
+
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

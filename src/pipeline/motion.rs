@@ -1,0 +1,182 @@
+//! Where the camera and the lights are at each exposure.
+
+use hifitime::{Epoch, Unit};
+
+use super::Error;
+use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
+use crate::ephemeris::trajectory::{Elements, Oem, SplineEnds, SpkObject, Trajectory, TwoBody, Waypoints};
+use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
+use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
+use crate::render::{Light, View};
+use crate::scenario::{self, HeightAbove, Scenario, Towards};
+use crate::terrain::Surface;
+
+/// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
+#[derive(Debug, Clone)]
+pub struct Exposure {
+    pub epoch: Epoch,
+    pub sun: Source,
+    pub view: View,
+}
+
+/// All exposures of a scenario, before any of them is rendered.
+pub fn exposures(
+    scenario: &Scenario,
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<Vec<Exposure>, Error> {
+    let trajectory = trajectory(scenario, almanac, frame, surface)?;
+    let pointing = pointing(scenario, frame, surface)?;
+    let mut exposures = Vec::new();
+    for (index, &epoch) in scenario.exposures.iter().enumerate() {
+        let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
+        check_clearance(surface, index, epoch, position)?;
+        let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
+        let sun = sun(scenario, almanac, frame, centre, epoch)?;
+        let reference = frame.body.position_from_geodetic(centre);
+        let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
+        if let Some(albedo) = scenario.earthshine_albedo {
+            lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
+        }
+        exposures.push(Exposure { epoch, sun, view: View { camera_position: position, camera_from_body, lights } });
+    }
+    Ok(exposures)
+}
+
+/// A source seen from `reference`, at its apparent place.
+fn light(reference: Position<BodyFixed>, source: &Source, irradiance_w_m2: f64) -> Light {
+    let position = Position::from_m(reference.vector_m() + source.distance_m * source.direction.unit());
+    Light { position, angular_radius_rad: source.angular_radius_rad, irradiance_w_m2 }
+}
+
+fn sun(
+    scenario: &Scenario,
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    centre: Geodetic,
+    epoch: Epoch,
+) -> Result<Source, Error> {
+    let reference = frame.body.position_from_geodetic(centre);
+    let Some(fixed) = scenario.sun.fixed else {
+        return Ok(ephemeris::sun(almanac, frame, reference, epoch)?);
+    };
+    let (sin_azimuth, cos_azimuth) = fixed.azimuth_rad.sin_cos();
+    let (sin, cos) = fixed.elevation_rad.sin_cos();
+    let local = Direction::new(glam::DVec3::new(cos * sin_azimuth, cos * cos_azimuth, sin)).expect("it has length 1");
+    Ok(Source {
+        direction: frame.body.local_from_body(centre).inverse() * local,
+        distance_m: fixed.distance_m,
+        angular_radius_rad: (crate::quantity::SOLAR_RADIUS_M / fixed.distance_m).asin(),
+    })
+}
+
+/// The Earth as a Lambert sphere of geometric albedo `albedo`:
+/// `E = E_sun p (R/d)² Φ(a)`, `Φ(a) = [sin a + (π − a) cos a]/π`, `a` the phase angle at the Earth.
+#[allow(clippy::too_many_arguments)]
+fn earthshine(
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    reference: Position<BodyFixed>,
+    epoch: Epoch,
+    sun: &Source,
+    albedo: f64,
+    irradiance_1au_w_m2: f64,
+) -> Result<Light, Error> {
+    let earth = ephemeris::earth(almanac, frame, reference, epoch)?;
+    let from_earth_to_sun = sun.distance_m * sun.direction.unit() - earth.distance_m * earth.direction.unit();
+    let to_sun = Direction::<BodyFixed>::new(from_earth_to_sun);
+    let to_here = Direction::new(-earth.direction.unit());
+    let phase_rad = to_sun.zip(to_here).map_or(0.0, |(a, b)| a.angle_to(b));
+    let lambert = (phase_rad.sin() + (std::f64::consts::PI - phase_rad) * phase_rad.cos()) / std::f64::consts::PI;
+    let at_earth = Source { distance_m: from_earth_to_sun.length(), ..*sun }.irradiance_w_m2(irradiance_1au_w_m2);
+    let irradiance_w_m2 = at_earth * albedo * (ephemeris::EARTH_RADIUS_M / earth.distance_m).powi(2) * lambert;
+    Ok(light(reference, &earth, irradiance_w_m2))
+}
+
+fn check_clearance(
+    surface: &Surface,
+    index: usize,
+    epoch: Epoch,
+    position: Position<BodyFixed>,
+) -> Result<(), Error> {
+    let body = &surface.terrain.body;
+    let height_m = body.geodetic_from_position(position).height_m;
+    let ground_m = body.geodetic_from_position(surface.below(position)).height_m;
+    if height_m > ground_m {
+        return Ok(());
+    }
+    Err(Error::BelowGround { exposure: index, epoch_utc: utc_text(epoch), height_m, ground_m })
+}
+
+/// The point with its height counted from the reference surface.
+fn on_body(surface: &Surface, point: Geodetic, above: HeightAbove) -> Position<BodyFixed> {
+    let body = &surface.terrain.body;
+    let position = body.position_from_geodetic(point);
+    match above {
+        HeightAbove::Reference => position,
+        HeightAbove::Terrain => {
+            let ground_m = body.geodetic_from_position(surface.below(position)).height_m;
+            body.position_from_geodetic(Geodetic { height_m: ground_m + point.height_m, ..point })
+        }
+    }
+}
+
+fn trajectory(
+    scenario: &Scenario,
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+) -> Result<Trajectory, Error> {
+    let gm = |written: &Option<f64>| written.map_or_else(|| almanac.gravitational_parameter_m3_s2(&frame.body), Ok);
+    Ok(match &scenario.trajectory {
+        scenario::Trajectory::Waypoints { points, height_above } => {
+            let start = points[0].epoch;
+            let offset = |epoch: Epoch| (epoch - start).to_unit(Unit::Second);
+            let points: Vec<_> =
+                points.iter().map(|p| (offset(p.epoch), on_body(surface, p.point, *height_above))).collect();
+            Trajectory::Waypoints(Waypoints::new(start, &points, SplineEnds::Natural)?)
+        }
+        scenario::Trajectory::Spk { naif_id, .. } => Trajectory::Spk(SpkObject { naif_id: *naif_id }),
+        scenario::Trajectory::Oem { path } => Trajectory::Oem(Oem::read(path)?),
+        scenario::Trajectory::Orbit { epoch, elements, gm_m3_s2 } => {
+            let elements = Elements {
+                semi_major_axis_m: elements.semi_major_axis_m,
+                eccentricity: elements.eccentricity,
+                inclination_rad: elements.inclination_rad,
+                ascending_node_rad: elements.node_rad,
+                argument_of_periapsis_rad: elements.periapsis_rad,
+                true_anomaly_rad: elements.true_anomaly_rad,
+            };
+            Trajectory::TwoBody(TwoBody::from_elements(*epoch, gm(gm_m3_s2)?, &elements)?)
+        }
+        scenario::Trajectory::State { epoch, position_m, velocity_m_s, gm_m3_s2 } => {
+            Trajectory::TwoBody(TwoBody::from_state(*epoch, gm(gm_m3_s2)?, *position_m, *velocity_m_s)?)
+        }
+    })
+}
+
+fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
+    let roll_rad = scenario.pointing.roll_rad;
+    Ok(match &scenario.pointing.towards {
+        Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
+        Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
+        Towards::At { point, height_above } => {
+            let point = frame.body.geodetic_from_position(on_body(surface, *point, *height_above));
+            Pointing::AtPoint { point, top: Top::Up, roll_rad }
+        }
+        Towards::Table(rows) => {
+            let start = rows[0].0;
+            let quaternion = |q: &glam::DQuat| Quaternion::from_wxyz([q.w, q.x, q.y, q.z]);
+            let rows = rows
+                .iter()
+                .map(|(epoch, q)| Ok(((*epoch - start).to_unit(Unit::Second), quaternion(q)?)))
+                .collect::<Result<Vec<_>, Error>>()?;
+            match rows[..] {
+                [(_, fixed)] => Pointing::Fixed(fixed),
+                _ => Pointing::Table(AttitudeTable::new(start, &rows)?),
+            }
+        }
+    })
+}
