@@ -65,8 +65,11 @@ impl Reflectance {
         let outside = |parameter, got, allowed| PhotometryError::OutOfRange { parameter, got, allowed };
         match *self {
             Self::Hapke(hapke) => hapke.check(),
+            // At grazing incidence this law returns four times its normal albedo.
+            Self::LommelSeeliger { normal_albedo } if !(0.0..=0.25).contains(&normal_albedo) => {
+                Err(outside("normal_albedo", normal_albedo, "[0, 0.25]"))
+            }
             Self::Lambert { normal_albedo }
-            | Self::LommelSeeliger { normal_albedo }
             | Self::LunarLambert { normal_albedo }
             | Self::Minnaert { normal_albedo, .. }
                 if !(0.0..=1.0).contains(&normal_albedo) =>

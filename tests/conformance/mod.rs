@@ -104,7 +104,8 @@ impl Comparison {
 
 /// Names of the functions a shader declares.
 pub fn functions(source: &str) -> Vec<String> {
-    let module = naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
     module.functions.iter().filter_map(|(_, function)| function.name.clone()).collect()
 }
 
