@@ -14,7 +14,7 @@
 //! terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
 //!
 //! # Assumptions
-//! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.4 % of the lunar opposition surge.
+//! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.3 % of the lunar opposition surge.
 //! - The Sun is a point for the phase angle; the surge inside `g < r` is not flattened.
 //!
 //! `reflectance.wgsl` does the same; `tests/conformance/photometry.rs` holds the two together.
