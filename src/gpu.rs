@@ -157,8 +157,9 @@ impl Gpu {
         }
     }
 
-    /// Runs `groups` workgroups of a pipeline on `buffers` (bindings 0, 1, … of group 0) and waits for them.
-    /// Returns the seconds the device took, where it can tell.
+    /// Runs `groups` workgroups (at most 65535 along each axis) of a pipeline on `buffers`, which are the bindings
+    /// 0, 1, … of group 0 that the entry point uses. Returns the seconds the device took, and waits for it, where
+    /// the device can tell them.
     pub fn run(&self, pipeline: &wgpu::ComputePipeline, buffers: &[&wgpu::Buffer], groups: [u32; 3]) -> Option<f64> {
         let entries: Vec<_> = (0..)
             .zip(buffers)

@@ -26,6 +26,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    // Keeps Mesa's device-select layer from printing on machines without a display.
+    // SAFETY: no other thread runs yet.
+    unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let outcome = match Sim::parse().command {
         Command::Check(args) => cli::check::run(args),
         Command::Horizon(args) => cli::horizon::run(args),

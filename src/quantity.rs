@@ -17,3 +17,6 @@ pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
 
 /// Radius of the sphere that lunar heights refer to. LOLA and LROC data product labels; `pck00011.tpc`.
 pub const LUNAR_RADIUS_M: f64 = 1_737_400.0;
+
+/// Planck constant, exact. SI.
+pub const PLANCK_CONSTANT_J_S: f64 = 6.626_070_15e-34;

@@ -14,7 +14,7 @@
 //! terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
 //!
 //! # Assumptions
-//! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.4 % of the lunar opposition surge.
+//! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.3 % of the lunar opposition surge.
 //! - The Sun is a point for the phase angle; the surge inside `g < r` is not flattened.
 //!
 //! `reflectance.wgsl` does the same; `tests/conformance/photometry.rs` holds the two together.
@@ -65,8 +65,11 @@ impl Reflectance {
         let outside = |parameter, got, allowed| PhotometryError::OutOfRange { parameter, got, allowed };
         match *self {
             Self::Hapke(hapke) => hapke.check(),
+            // At grazing incidence this law returns four times its normal albedo.
+            Self::LommelSeeliger { normal_albedo } if !(0.0..=0.25).contains(&normal_albedo) => {
+                Err(outside("normal_albedo", normal_albedo, "[0, 0.25]"))
+            }
             Self::Lambert { normal_albedo }
-            | Self::LommelSeeliger { normal_albedo }
             | Self::LunarLambert { normal_albedo }
             | Self::Minnaert { normal_albedo, .. }
                 if !(0.0..=1.0).contains(&normal_albedo) =>

@@ -23,8 +23,8 @@
 //! - One exponent for the whole band. At 580 nm the law differs from Neckel & Labs (1994) by at most 1.4e-3 in `V`.
 //! - Second order in `r` is left out: 2e-5 of the irradiance for the Sun at 1 au.
 //!
-//! `solar_disk.wgsl` sorts the cases instead and interpolates tables; `tests/conformance/photometry.rs` holds the
-//! two together.
+//! `solar_disk.wgsl` sorts the cases instead and interpolates tables: within 4e-5 of the whole Sun, 1e-5 for
+//! `α = 0.5`. `tests/conformance/photometry.rs` holds the two together.
 //!
 //! # References
 //! Hestroffer & Magnan (1998), A&A 333, 338, for the law and its exponent.
@@ -142,7 +142,8 @@ impl SolarDisk {
         cosine_power(&self.rule, self.alpha + 1.0, from_rad, FRAC_PI_2) / self.chord_norm
     }
 
-    /// What is seen above the horizon and above the facet's own plane.
+    /// What is seen above the horizon and above the facet's own plane. Takes 1 µs where one line cuts the disc and
+    /// 0.1 ms where both do, which happens to facets nearly edge-on to the Sun.
     pub fn light(&self, horizon: HorizonLine, facet: Facet) -> DiskLight {
         let horizon = HalfPlane::new(DVec2::new(-horizon.slope, 1.0), -horizon.height);
         let own = HalfPlane::new(facet.slope, facet.height);

@@ -172,4 +172,16 @@ mod tests {
         let expected = normal.unit().dot(towards);
         assert!((RADIUS_RAD * (facet.height + facet.slope.dot(q)) - expected).abs() < 1e-15);
     }
+
+    #[test]
+    fn the_axes_are_orthonormal_with_the_sun_in_the_zenith_too() {
+        for off_rad in [0.0, 1e-17, 1e-12, 1e-3] {
+            let sun = local(DVec3::new(0.36, 0.48, 0.8) + DVec3::X * off_rad);
+            let axes = SunAxes::new(sun, local(DVec3::new(0.36, 0.48, 0.8)));
+            let [s, x, y] = [axes.sun, axes.x, axes.y].map(Direction::unit);
+            for product in [s.dot(x), s.dot(y), x.dot(y), y.cross(s).dot(x) - 1.0] {
+                assert!(product.abs() < 1e-6, "{off_rad}: {product}");
+            }
+        }
+    }
 }

@@ -24,6 +24,8 @@ pub fn gpu() -> Option<&'static Gpu> {
     }
 }
 
+type Reference = dyn Fn(&[f64]) -> Vec<f64>;
+
 /// One function of a shader, what it is called with, and what it must return.
 pub struct Comparison {
     pub function: &'static str,
@@ -31,7 +33,7 @@ pub struct Comparison {
     pub call: &'static str,
     pub inputs: Vec<Vec<f32>>,
     /// The same from the inputs as the shader gets them, rounded to `f32`.
-    pub reference: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    pub reference: Box<Reference>,
     /// Largest error allowed, in the unit of the result, and its share of the result on top.
     pub absolute: f64,
     pub relative: f64,
@@ -105,7 +107,8 @@ impl Comparison {
 
 /// Names of the functions a shader declares.
 pub fn functions(source: &str) -> Vec<String> {
-    let module = naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
     module.functions.iter().filter_map(|(_, function)| function.name.clone()).collect()
 }
 
