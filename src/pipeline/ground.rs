@@ -154,6 +154,30 @@ pub fn horizons(
     Ok(maps)
 }
 
+/// Values of an albedo map on the nodes of all levels, by face, times `scale`. Nodes that the map does not
+/// cover become gaps.
+pub fn albedo(surface: &mut Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
+    let Terrain { body, faces } = &mut surface.terrain;
+    let options = raster::Options { values: raster::Values::Height, ..Default::default() };
+    let map = Dem::open(path, body, &options)?;
+    let projector = map.georeference.projector()?;
+    let mut of_faces = Vec::new();
+    for Face { map: gnomonic, levels } in faces {
+        let mut of_levels = Vec::new();
+        for level in levels {
+            let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
+            let points: Vec<_> =
+                (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
+            let values: Vec<f32> =
+                projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect();
+            level.gap.iter_mut().zip(&values).for_each(|(gap, value)| *gap |= value.is_nan());
+            of_levels.push(values);
+        }
+        of_faces.push(of_levels);
+    }
+    Ok(of_faces)
+}
+
 pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -14,6 +14,10 @@ pub enum Quantity {
     RadianceFactor,
     /// Irradiance of the focal plane by the optics.
     FocalPlaneIrradiance,
+    /// Digital numbers of the detector, noise included.
+    DigitalNumber,
+    /// Digital numbers of the same exposure without noise or fixed pattern.
+    NoiseFreeDigitalNumber,
     /// Share of the solar disc's light above horizon and facet plane, averaged over the pixel.
     SunFraction,
     /// Share of the pixel covered by the body.
@@ -43,11 +47,13 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Radiance,
         Self::GroundIrradiance,
         Self::RadianceFactor,
         Self::FocalPlaneIrradiance,
+        Self::DigitalNumber,
+        Self::NoiseFreeDigitalNumber,
         Self::SunFraction,
         Self::Hit,
         Self::DemGap,
@@ -70,6 +76,8 @@ impl Quantity {
             Self::GroundIrradiance => &["GROUND_IRRADIANCE"],
             Self::RadianceFactor => &["RADIANCE_FACTOR"],
             Self::FocalPlaneIrradiance => &["FOCAL_PLANE_IRRADIANCE"],
+            Self::DigitalNumber => &["DN"],
+            Self::NoiseFreeDigitalNumber => &["DN_NOISE_FREE"],
             Self::SunFraction => &["SUN_FRACTION"],
             Self::Hit => &["HIT"],
             Self::DemGap => &["DEM_GAP"],
@@ -90,6 +98,7 @@ impl Quantity {
         match self {
             Self::Radiance => "W m-2 sr-1",
             Self::GroundIrradiance | Self::FocalPlaneIrradiance => "W m-2",
+            Self::DigitalNumber | Self::NoiseFreeDigitalNumber => "DN",
             Self::RadianceFactor | Self::SunFraction | Self::Hit | Self::DemGap | Self::Normal => "1",
             Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance => "m",
             Self::Latitude | Self::Longitude | Self::Incidence | Self::Emission | Self::Phase => "deg",

@@ -53,6 +53,7 @@ struct Prepared {
     gradients: Buffer,
     maxima: Buffer,
     texels: Buffer,
+    albedos: Buffer,
     levels: Vec<Packed>,
     /// Directions of the rays, in bands of whole pixels.
     bands: Vec<Band>,
@@ -106,7 +107,9 @@ impl Prepared {
         let mut store = Store::default();
         for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
             for level in 0..levels.levels.len() {
-                store.add(&scene.surface, face, level, horizons.map(|maps| &maps[face][level]));
+                let horizon = horizons.map(|maps| &maps[face][level]);
+                let albedo = scene.albedo.as_ref().map(|maps| maps[face][level].as_slice());
+                store.add(&scene.surface, face, level, horizon, albedo);
             }
         }
         let offsets = scene.sample_offsets();
@@ -121,6 +124,7 @@ impl Prepared {
             ("CENTRE", centre as f64),
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
+            ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
             ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
             scene.reflectance.constant(),
         ];
@@ -138,6 +142,7 @@ impl Prepared {
             gradients: checked(gpu, "gradients", &store.gradients)?,
             maxima: checked(gpu, "maxima", &store.maxima_m)?,
             texels: checked(gpu, "horizon maps", &store.texels)?,
+            albedos: checked(gpu, "albedos", &store.albedos)?,
             levels: store.levels,
             bands: bands(gpu, scene, &points),
         })
@@ -173,6 +178,7 @@ impl Prepared {
                 &self.gradients,
                 &self.maxima,
                 &self.texels,
+                &self.albedos,
                 &band.rays,
                 &pixels_out,
                 &centres_out,
@@ -198,7 +204,7 @@ impl Prepared {
     /// The centres' hits in f64: the device says where on which cell, the host computes the point.
     fn hits(&self, scene: &Scene, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
         use rayon::prelude::*;
-        let columns = scene.optics.columns;
+        let columns = scene.optics.columns as usize;
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
         centres.par_iter().enumerate().map(|(index, centre)| self.hit(scene, view, pixel(index), centre)).collect()
     }
@@ -250,10 +256,18 @@ struct Store {
     gradients: Vec<[f32; 2]>,
     maxima_m: Vec<f32>,
     texels: Vec<[u32; 4]>,
+    albedos: Vec<f32>,
 }
 
 impl Store {
-    fn add(&mut self, surface: &Surface, face: usize, level: usize, horizon: Option<&HorizonMap>) {
+    fn add(
+        &mut self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        horizon: Option<&HorizonMap>,
+        albedo: Option<&[f32]>,
+    ) {
         let full = &surface.terrain.faces[face].levels[level];
         let seen = full.seen();
         let pyramid = if full.margin == 0 { &surface.pyramids[face][level] } else { &Pyramid::new(&seen) };
@@ -264,6 +278,11 @@ impl Store {
         self.heights_m.extend(&seen.heights_m);
         self.gradients.extend(gradients(full));
         self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
+        if let Some(albedo) = albedo {
+            let seen = full.margin..full.rows - full.margin;
+            let cut = |row: usize| full.index(full.margin, row)..full.index(full.columns - full.margin, row);
+            self.albedos.extend(seen.flat_map(|row| &albedo[cut(row)]));
+        }
         if let Some(map) = horizon {
             shader.has_horizon = 1;
             for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
@@ -320,7 +339,7 @@ fn lights(scene: &Scene, view: &View) -> Vec<LightParameters> {
 }
 
 fn bands(gpu: &Gpu, scene: &Scene, points: &[DVec2]) -> Vec<Band> {
-    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let rows_at_once = (RAYS_AT_ONCE / (points.len() * columns)).clamp(1, rows);
     (0..rows)
         .step_by(rows_at_once)

@@ -52,9 +52,10 @@ struct Centre {
 @group(0) @binding(7) var<storage, read> gradients: array<vec2f>;
 @group(0) @binding(8) var<storage, read> maxima_m: array<f32>;
 @group(0) @binding(9) var<storage, read> horizon_texels: array<vec4u>;
-@group(0) @binding(10) var<storage, read> rays: array<vec2f>;
-@group(0) @binding(11) var<storage, read_write> pixels_out: array<Pixel>;
-@group(0) @binding(12) var<storage, read_write> centres_out: array<Centre>;
+@group(0) @binding(10) var<storage, read> albedos: array<f32>;
+@group(0) @binding(11) var<storage, read> rays: array<vec2f>;
+@group(0) @binding(12) var<storage, read_write> pixels_out: array<Pixel>;
+@group(0) @binding(13) var<storage, read_write> centres_out: array<Centre>;
 
 // Rays of each pixel, how many of them (the first ones) are samples, and which one goes through the
 // centre (RAYS where none is wanted).
@@ -64,6 +65,7 @@ override CENTRE: u32;
 override FACES: u32;
 override LIGHTS: u32;
 override HORIZONS: bool;
+override ALBEDO_MAP: bool;
 
 // A place on the ground with all that lighting needs, in the axes of `frame` (a map, or FACES: the body).
 struct Facet {
@@ -78,6 +80,8 @@ struct Facet {
     level: u32,
     // In nodes of the level's seen part.
     grid: vec2f,
+    // What multiplies the reflectance.
+    albedo: f32,
     gap: bool,
 }
 
@@ -128,6 +132,12 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
     facet.normal = normalize(vec3f(-gradient, 1.0 + (dot(gradient, facet.at_m) - height_m) / radius_m));
     facet.position_m = vec3f(facet.at_m, radius_m) * (radius_m / (radius_m - height_m));
     facet.gap = steepest > GAP_SLOPE;
+    facet.albedo = 1.0;
+    if ALBEDO_MAP {
+        let below = mix(albedos[node], albedos[node + 1u], f.x);
+        let above = mix(albedos[node + level.columns], albedos[node + level.columns + 1u], f.x);
+        facet.albedo = mix(below, above, f.y);
+    }
     return facet;
 }
 
@@ -137,6 +147,7 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     facet.position_m = view.camera_m.xyz + hit.distance_m * body_d;
     facet.normal = normalize(facet.position_m / (view.radii_m.xyz * view.radii_m.xyz));
     facet.up = facet.normal;
+    facet.albedo = 1.0;
     facet.gap = false;
     return facet;
 }
@@ -185,7 +196,7 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
         if irradiance > 0.0 {
             let mu0 = min(irradiance / (light.irradiance_w_m2 * seen.fraction), 1.0);
             let mu = max(dot(facet.normal, to_camera), 0.0);
-            sample.radiance += brdf_sr(reflectance, mu0, mu, dot(s, to_camera)) * irradiance;
+            sample.radiance += facet.albedo * brdf_sr(reflectance, mu0, mu, dot(s, to_camera)) * irradiance;
         }
         if index == 0u {
             sample.irradiance = irradiance;

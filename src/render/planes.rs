@@ -34,7 +34,8 @@ impl Quantity {
     pub fn is_geometric(self) -> bool {
         use Quantity::*;
         match self {
-            Radiance | GroundIrradiance | RadianceFactor | FocalPlaneIrradiance | SunFraction | Hit => false,
+            Radiance | GroundIrradiance | RadianceFactor | FocalPlaneIrradiance | DigitalNumber
+            | NoiseFreeDigitalNumber | SunFraction | Hit => false,
             DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence | Emission | Phase
             | GroundSampleDistance => true,
         }
@@ -43,28 +44,48 @@ impl Quantity {
 
 /// The planes of `scene.quantities`.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
-    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let planes = scene.quantities.iter().flat_map(|&quantity| {
-        let channels = quantity.channels();
-        let values: Vec<[f32; 3]> = (0..columns * rows)
-            .into_par_iter()
-            .map(|index| {
-                let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
-                if quantity.is_geometric() {
-                    geometric(scene, view, quantity, pixel, samples.centres[index].as_ref())
-                } else {
-                    [radiometric(scene, view, quantity, pixel, &samples.pixels[index]), 0.0, 0.0]
-                }
-            })
-            .collect();
-        let plane = move |(channel, name): (usize, &&'static str)| Plane {
-            quantity,
-            name,
-            values: values.iter().map(|value| value[channel]).collect(),
+        let channels = match quantity {
+            Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
+                vec![digital_numbers(scene, view, quantity, samples)]
+            }
+            _ if quantity.is_geometric() => geometric_channels(scene, view, quantity, samples),
+            _ => vec![by_pixel(scene, |index, pixel| {
+                radiometric(scene, view, quantity, pixel, &samples.pixels[index])
+            })],
         };
-        channels.iter().enumerate().map(plane).collect::<Vec<_>>()
+        let named = quantity.channels().iter().zip(channels);
+        named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
     });
     Image { columns, rows, planes: planes.collect() }
+}
+
+/// One value a pixel, from its index and its image coordinates.
+fn by_pixel<T: Send>(scene: &Scene, value: impl Fn(usize, DVec2) -> T + Sync) -> Vec<T> {
+    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+    let at = |index: usize| value(index, DVec2::new((index % columns) as f64, (index / columns) as f64));
+    (0..columns * rows).into_par_iter().map(at).collect()
+}
+
+fn geometric_channels(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<Vec<f32>> {
+    let values = by_pixel(scene, |index, pixel| {
+        geometric(scene, view, quantity, pixel, samples.centres[index].as_ref())
+    });
+    (0..quantity.channels().len()).map(|channel| values.iter().map(|value| value[channel]).collect()).collect()
+}
+
+/// What the detector makes of the focal plane's irradiance; empty where the scene has no detector.
+fn digital_numbers(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<f32> {
+    let Some(detector) = &scene.detector else { return Vec::new() };
+    let light = by_pixel(scene, |index, pixel| {
+        radiometric(scene, view, Quantity::FocalPlaneIrradiance, pixel, &samples.pixels[index])
+    });
+    let numbers = match quantity {
+        Quantity::DigitalNumber => detector.expose(&light, view.exposure),
+        _ => detector.expose_without_noise(&light),
+    };
+    numbers.into_iter().map(f32::from).collect()
 }
 
 fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
@@ -78,9 +99,10 @@ fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mea
             (f64::from(mean.radiance_w_m2_sr) * std::f64::consts::PI / facing_w_m2) as f32
         }
         Quantity::FocalPlaneIrradiance => {
-            (f64::from(mean.radiance_w_m2_sr) * scene.optics.focal_plane_irradiance_factor(pixel)) as f32
+            let factor_sr = scene.optics.irradiance_per_radiance_sr(pixel).unwrap_or(f64::NAN);
+            (f64::from(mean.radiance_w_m2_sr) * factor_sr) as f32
         }
-        _ => unreachable!("{quantity:?} is geometric"),
+        _ => unreachable!("{quantity:?} is no mean over samples"),
     }
 }
 

@@ -33,7 +33,7 @@ impl Renderer for Reference {
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
         let shadow = shadow(scene);
         let offsets = scene.sample_offsets();
-        let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+        let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
         let pixels = (0..columns * rows)
             .into_par_iter()
@@ -96,6 +96,7 @@ fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> 
     }
     let to_camera = hit.position.direction_to(view.camera_position);
     let normal = normal(scene, hit);
+    let albedo = albedo(scene, hit);
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
         let lit = illuminate(scene, shadow, hit, normal, light);
@@ -104,13 +105,25 @@ fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> 
             let mu0 = (lit.irradiance / (light.irradiance_w_m2 * lit.fraction)).min(1.0);
             let mu = normal.unit().dot(to_camera.unit()).max(0.0);
             let cos_phase = to_light.unit().dot(to_camera.unit());
-            sample.radiance += scene.reflectance.brdf_sr(mu0, mu, cos_phase) * lit.irradiance;
+            sample.radiance += albedo * scene.reflectance.brdf_sr(mu0, mu, cos_phase) * lit.irradiance;
         }
         if index == 0 {
             (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
         }
     }
     sample
+}
+
+/// What the albedo map multiplies the reflectance by at a hit.
+fn albedo(scene: &Scene, hit: &Hit) -> f64 {
+    match (&scene.albedo, hit.ground) {
+        (Some(maps), Ground::Dem { face, level, lifted }) => {
+            let grid_level = &scene.surface.terrain.faces[face].levels[level];
+            let grid = grid_level.grid_from_map(lifted.truncate());
+            grid_level.bilinear_of(&maps[face][level], grid).unwrap_or(f64::NAN)
+        }
+        _ => 1.0,
+    }
 }
 
 struct Lit {

@@ -1,6 +1,6 @@
 //! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
 
-use crate::camera::Camera as Optics;
+use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Reflectance, SolarDisk};
@@ -14,9 +14,13 @@ pub struct Scene {
     pub surface: Surface,
     pub shadows: Shadows,
     pub reflectance: Reflectance,
+    /// What multiplies the reflectance at the nodes of each face's levels; `None`: nothing.
+    pub albedo: Option<Vec<Vec<Vec<f32>>>>,
     /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
     pub disk: SolarDisk,
     pub optics: Optics,
+    /// Turns light into digital numbers, where any are asked for.
+    pub detector: Option<Detector>,
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
     pub quantities: Vec<Quantity>,
@@ -36,6 +40,8 @@ pub enum Shadows {
 /// What changes from exposure to exposure.
 #[derive(Debug, Clone)]
 pub struct View {
+    /// Counts the exposures of a sequence; the detector's noise depends on it.
+    pub exposure: u64,
     pub camera_position: Position<BodyFixed>,
     pub camera_from_body: Rotation<Camera, BodyFixed>,
     /// The Sun first.

@@ -62,10 +62,16 @@ impl Level {
 
     /// Bilinear lifted height at a grid point inside the grid.
     pub fn bilinear_m(&self, grid: DVec2) -> Option<f64> {
+        self.bilinear_of(&self.heights_m, grid)
+    }
+
+    /// Bilinear value at a grid point of anything that is given at the nodes.
+    pub fn bilinear_of(&self, values: &[f32], grid: DVec2) -> Option<f64> {
         let (column, row) = self.cell(grid)?;
         let (fx, fy) = (grid.x - column as f64, grid.y - row as f64);
-        let [h00, h10, h01, h11] = self.corners_m(column, row);
-        Some((1.0 - fy) * ((1.0 - fx) * h00 + fx * h10) + fy * ((1.0 - fx) * h01 + fx * h11))
+        let at = |c: usize, r: usize| f64::from(values[self.index(column + c, row + r)]);
+        let (low, high) = ((1.0 - fx) * at(0, 0) + fx * at(1, 0), (1.0 - fx) * at(0, 1) + fx * at(1, 1));
+        Some((1.0 - fy) * low + fy * high)
     }
 
     /// Lifted heights of a cell's corners: (0, 0), (1, 0), (0, 1), (1, 1) in (column, row).

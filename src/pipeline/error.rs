@@ -1,0 +1,41 @@
+//! What can go wrong between a scenario and its images.
+
+use std::path::PathBuf;
+
+/// Any stage's error; the stages' own say what was met and what is allowed.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Ephemeris(#[from] crate::ephemeris::EphemerisError),
+    #[error(transparent)]
+    Trajectory(#[from] crate::ephemeris::trajectory::TrajectoryError),
+    #[error(transparent)]
+    Attitude(#[from] crate::ephemeris::attitude::AttitudeError),
+    #[error(transparent)]
+    Raster(#[from] crate::raster::Error),
+    #[error(transparent)]
+    Synthetic(#[from] crate::terrain::synthetic::Error),
+    #[error(transparent)]
+    Terrain(#[from] crate::terrain::build::Error),
+    #[error(transparent)]
+    Horizon(#[from] crate::horizon::Error),
+    #[error(transparent)]
+    Camera(#[from] crate::camera::CameraError),
+    #[error(transparent)]
+    Photometry(#[from] crate::photometry::PhotometryError),
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::GpuError),
+    #[error(transparent)]
+    Render(#[from] crate::render::RenderError),
+    #[error(transparent)]
+    Dataset(#[from] crate::dataset::DatasetError),
+    #[error("cannot write {path}")]
+    Unwritable { path: PathBuf, source: std::io::Error },
+    #[error(
+        "trajectory: at exposure {exposure} ({epoch_utc}) the camera is {height_m:.1} m above the reference surface, \
+         the ground below it {ground_m:.1} m; the camera must be above the ground"
+    )]
+    BelowGround { exposure: usize, epoch_utc: String, height_m: f64, ground_m: f64 },
+    #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
+    NoSuchExposures { from: usize, until: usize, count: usize },
+}

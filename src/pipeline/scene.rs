@@ -1,0 +1,104 @@
+//! From the scenario's camera, Sun and surface to what a renderer reads.
+
+use super::Error;
+use crate::camera::{Camera as Optics, Detector, Distortion};
+use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
+use crate::scenario::{Albedo, Photometry, Scenario};
+
+/// Wavelength of the photons that a detector counts where the scenario names no band.
+const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
+
+/// Pitch of the detector's pixels where the scenario gives a field of view only.
+const DEFAULT_PIXEL_PITCH_M: f64 = 5e-6;
+
+pub fn optics(scenario: &Scenario) -> Result<Optics, Error> {
+    let camera = &scenario.camera;
+    let [column, row] = camera.principal_point_px;
+    let optics = Optics::pinhole(camera.columns, camera.rows, glam::DVec2::splat(camera.focal_length_px))?
+        .with_principal_point(glam::DVec2::new(column, row) - 0.5)
+        .with_lens(camera.f_number, camera.transmission)?;
+    Ok(match &camera.distortion {
+        None => optics,
+        Some(written) => optics.with_distortion(Distortion {
+            radial: [written.k1, written.k2, written.k3, 0.0, 0.0, 0.0],
+            tangential: [written.p1, written.p2],
+        })?,
+    })
+}
+
+pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
+    let camera = &scenario.camera;
+    let Some(written) = &scenario.detector else { return Ok(None) };
+    let detector = Detector {
+        exposure_s: camera.exposure_s,
+        pixel_pitch_m: camera.pixel_pitch_m.unwrap_or(DEFAULT_PIXEL_PITCH_M),
+        wavelength_m: camera.band_m.map_or(BROADBAND_WAVELENGTH_M, |[low, high]| (low + high) / 2.0),
+        quantum_efficiency: written.quantum_efficiency,
+        dark_current_e_s: written.dark_current_e_per_s,
+        read_noise_e: written.read_noise_e,
+        full_well_e: written.full_well_e,
+        gain_dn_e: 1.0 / written.gain_e_per_dn,
+        offset_dn: written.offset_dn,
+        bits: written.bits,
+        prnu: 0.0,
+        dsnu_e: 0.0,
+        seed: scenario.seed,
+    };
+    detector.check()?;
+    Ok(Some(detector))
+}
+
+pub fn disk(scenario: &Scenario) -> Result<SolarDisk, Error> {
+    let law = match scenario.sun.limb_darkening_wavelength_m {
+        None => LimbDarkening::Uniform,
+        Some(wavelength_m) => LimbDarkening::hestroffer_magnan(wavelength_m * 1e9)?,
+    };
+    Ok(SolarDisk::new(law)?)
+}
+
+/// The limb-darkening law in words, for records.
+pub fn disk_name(scenario: &Scenario) -> String {
+    match scenario.sun.limb_darkening_wavelength_m {
+        None => "uniform".into(),
+        Some(wavelength_m) => format!("Hestroffer & Magnan 1998 at {:.0} nm", wavelength_m * 1e9),
+    }
+}
+
+/// Albedo of the law that an albedo map scales: any value within all laws' domains serves.
+const SCALED_ALBEDO: f64 = 0.1;
+
+/// What a value of the albedo map multiplies the reflectance by: it is the normal albedo of an empirical law, and
+/// a factor on Hapke's.
+pub fn albedo_scale(scenario: &Scenario) -> f64 {
+    match scenario.photometry {
+        Photometry::Lambert | Photometry::LommelSeeliger | Photometry::LunarLambert => 1.0 / SCALED_ALBEDO,
+        Photometry::HapkeMoon | Photometry::Hapke { .. } => 1.0,
+    }
+}
+
+pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
+    let normal_albedo = match &scenario.albedo {
+        Albedo::Constant(albedo) => *albedo,
+        Albedo::Map(_) => SCALED_ALBEDO,
+    };
+    let reflectance = match scenario.photometry {
+        Photometry::Lambert => Reflectance::Lambert { normal_albedo },
+        Photometry::LommelSeeliger => Reflectance::LommelSeeliger { normal_albedo },
+        Photometry::LunarLambert => Reflectance::LunarLambert { normal_albedo },
+        Photometry::HapkeMoon => Reflectance::Hapke(Hapke::moon()),
+        Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad, phi } => Reflectance::Hapke(Hapke {
+            single_scattering_albedo: w,
+            asymmetry: b,
+            backscatter: c,
+            shadow_hiding_amplitude: bs0,
+            shadow_hiding_width: hs,
+            coherent_amplitude: bc0,
+            coherent_width: hc,
+            mean_slope_rad: theta_bar_rad,
+            filling_factor: phi,
+            multiple_scattering: MultipleScattering::Hapke2002,
+        }),
+    };
+    reflectance.check()?;
+    Ok(reflectance)
+}
