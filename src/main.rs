@@ -19,6 +19,7 @@ struct Sim {
 enum Command {
     Check(cli::check::Args),
     Horizon(cli::horizon::Args),
+    Inspect(cli::inspect::Args),
     Kernels(cli::kernels::Args),
     Schema(cli::schema::Args),
     Sun(cli::sun::Args),
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
     let outcome = match Sim::parse().command {
         Command::Check(args) => cli::check::run(args),
         Command::Horizon(args) => cli::horizon::run(args),
+        Command::Inspect(args) => cli::inspect::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
         Command::Schema(args) => cli::schema::run(args),
         Command::Sun(args) => cli::sun::run(args),

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod horizon;
+pub mod inspect;
 pub mod kernels;
 pub mod schema;
 pub mod sun;

@@ -1,1 +1,43 @@
-//! To come.
+//! Image sequences on disk.
+//!
+//! ```text
+//! exposure_0007.exr    planes, 32-bit floats, one channel each; units and the record in the header
+//! exposure_0007.tif    the same as pages of a TIFF, on request
+//! exposure_0007.png    preview, 16 bits, linear; white is the same for the whole sequence
+//! exposure_0007.json   record: epoch, poses, Sun, inputs, hashes of the files above
+//! manifest.json        versions, inputs, settings, exposures with their hashes
+//! poses.csv            camera and Sun, one line an exposure
+//! contact_sheet.png    all previews, 8 bits, gamma 2.2, each with its index
+//! preview.gif          the previews in order
+//! ```
+//!
+//! Every file is written under another name and renamed, so that no half-written file carries a final name. A record
+//! is written after the files it names: an exposure is finished when its record is there, carries the key of the
+//! run, and the files have the hashes that it states. Nothing on disk depends on the time of day, on the number of
+//! threads or on the order in which exposures were finished: same scenario, same bytes.
+
+mod animation;
+mod atomic;
+mod contact_sheet;
+mod error;
+mod exr_file;
+mod inspect;
+mod manifest;
+mod png_file;
+mod poses;
+
+mod preview;
+mod record;
+mod tiff_file;
+mod writer;
+
+pub use error::DatasetError;
+pub use exr_file::{ExrFile, read_exr, write_exr};
+pub use inspect::inspect;
+pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
+pub use preview::White;
+pub use record::{
+    BodyRecord, CameraRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord, PoseRecord, PreviewRecord,
+    QualityRecord, RadiometryRecord, Record, SensorRecord, SoftwareRecord, Statistics, SunRecord,
+};
+pub use writer::{Exposure, Settings, Summary, Writer};

@@ -323,10 +323,10 @@ mod tests {
     fn values_are_found_through_comments_strings_variants_and_lists() {
         assert_eq!(place_of("title"), (4, 12));
         assert_eq!(place_of("camera.columns"), (5, 29));
-        assert_eq!(place_of("camera.principal_point.row"), (5, 72));
+        assert_eq!(place_of("camera.principal_point.row"), (5, 73));
         assert_eq!(place_of("trajectory"), (6, 17));
         assert_eq!(place_of("trajectory.points[1].t_s"), (8, 15));
-        assert_eq!(place_of("trajectory.points[1].latitude_deg"), (8, 35));
+        assert_eq!(place_of("trajectory.points[1].latitude_deg"), (8, 36));
         assert_eq!(place_of("albedo"), (10, 13));
         assert_eq!(place_of("band[1]"), (10, 41));
     }

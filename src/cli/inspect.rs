@@ -1,0 +1,68 @@
+//! `sim inspect`.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use perilune::dataset;
+use serde_json::Value as Json;
+
+use super::Outcome;
+
+/// Say what a file or a dataset holds: an OpenEXR or PNG image, a TIFF or horizon tile, a record, a manifest.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A file, or the directory of a dataset.
+    file: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args) -> Outcome {
+    let found = dataset::inspect(&args.file)?;
+    let text = if args.json { format!("{found:#}\n") } else { outline(&found) };
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+/// JSON as an indented outline: `key: value`, lists of plain values on one line.
+fn outline(value: &Json) -> String {
+    let mut text = String::new();
+    write_outline(&mut text, value, 0);
+    text
+}
+
+fn write_outline(text: &mut String, value: &Json, depth: usize) {
+    let indent = "  ".repeat(depth);
+    let entries: Vec<(String, &Json)> = match value {
+        Json::Object(map) => map.iter().map(|(key, value)| (key.clone(), value)).collect(),
+        Json::Array(items) => items.iter().enumerate().map(|(index, item)| (index.to_string(), item)).collect(),
+        _ => return,
+    };
+    for (key, value) in entries {
+        match plain(value) {
+            Some(plain) => {
+                let _ = writeln!(text, "{indent}{key}: {plain}");
+            }
+            None => {
+                let _ = writeln!(text, "{indent}{key}:");
+                write_outline(text, value, depth + 1);
+            }
+        }
+    }
+}
+
+/// A value that fits on a line: a scalar, a list of scalars, or a channel's statistics.
+fn plain(value: &Json) -> Option<String> {
+    match value {
+        Json::Null => Some("none".into()),
+        Json::String(text) if text.contains('\n') => Some(format!("{} lines", text.lines().count())),
+        Json::String(text) => Some(text.clone()),
+        Json::Array(items) if items.iter().all(|item| !item.is_array() && !item.is_object()) => {
+            Some(items.iter().filter_map(plain).collect::<Vec<_>>().join(", "))
+        }
+        Json::Array(_) | Json::Object(_) => None,
+        scalar => Some(scalar.to_string()),
+    }
+}

@@ -1,0 +1,65 @@
+//! Files that are there whole or not at all.
+
+use std::fs;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::error::DatasetError;
+
+/// Ends the name of a file that is not finished.
+pub const PARTIAL: &str = ".partial";
+
+/// Writes `bytes` beside `path` and renames: no reader ever sees half a file under its final name.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(PARTIAL);
+    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|source| {
+        // The full disk that stopped the writing is not helped by keeping the rest.
+        let _ = fs::remove_file(&partial);
+        DatasetError::Write { path: path.to_path_buf(), source }
+    })
+}
+
+pub fn read(path: &Path) -> Result<Vec<u8>, DatasetError> {
+    fs::read(path).map_err(|source| DatasetError::Read { path: path.to_path_buf(), source })
+}
+
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FIPS 180-2, example B.1.
+    #[test]
+    fn the_hash_is_sha_256() {
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256_hex(b"abc"), expected);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_neither_file_nor_remains() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("file");
+        fs::create_dir(&path).unwrap();
+        fs::write(path.join("inside"), "").unwrap();
+        let error = write(&path, b"bytes").unwrap_err();
+        assert!(error.to_string().starts_with(&format!("cannot write {}: ", path.display())), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// `/dev/full` answers every write with ENOSPC.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_said_in_the_systems_words() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("file");
+        std::os::unix::fs::symlink("/dev/full", folder.path().join("file.partial")).unwrap();
+        let error = write(&path, b"bytes").unwrap_err();
+        assert!(error.to_string().contains("No space left on device"), "{error}");
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,268 @@
+//! The record of an exposure: all that is needed to use its planes without the program.
+
+use serde::{Deserialize, Serialize};
+
+use crate::render::{Image, Quantity};
+
+/// Grows with every change that a reader must know about.
+pub const SCHEMA_VERSION: &str = "1.0";
+
+/// `exposure_0007.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    pub schema_version: String,
+    /// Hash of all that shapes the run; two exposures with one key belong together.
+    pub run_key: String,
+    #[serde(flatten)]
+    pub facts: Facts,
+    pub planes: Vec<PlaneRecord>,
+    /// The preview's scale follows from the whole sequence, so it is filled in last.
+    pub preview: Option<PreviewRecord>,
+    pub files: Vec<FileRecord>,
+}
+
+/// What is known of an exposure before it is written.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Facts {
+    /// `lunar_descent/0007`.
+    pub frame_id: String,
+    pub epoch: EpochRecord,
+    pub body: BodyRecord,
+    pub camera: CameraRecord,
+    pub pose: PoseRecord,
+    pub sun: SunRecord,
+    pub radiometry: RadiometryRecord,
+    pub sensor: SensorRecord,
+    pub inputs: InputRecords,
+    pub software: SoftwareRecord,
+    pub quality: QualityRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct EpochRecord {
+    pub tdb_s_past_j2000: f64,
+    /// ISO 8601 with `Z`.
+    pub utc: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct BodyRecord {
+    pub name: String,
+    /// Body-fixed frame by its SPICE name.
+    pub frame: String,
+    /// Of the reference spheroid, along x, y, z.
+    pub radii_m: [f64; 3],
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CameraRecord {
+    pub model: String,
+    pub width: usize,
+    pub height: usize,
+    /// Row by row, in pixels, for `pixel_origin`.
+    #[serde(rename = "K")]
+    pub k: [[f64; 3]; 3],
+    pub dist_model: String,
+    /// k1, k2, p1, p2, k3.
+    pub dist_coeffs: Vec<f64>,
+    pub pixel_origin: String,
+    pub axes: String,
+    pub shutter: String,
+}
+
+impl CameraRecord {
+    /// A pinhole in OpenCV's convention. The principal point is given from the outer corner of the top left pixel,
+    /// half a pixel from where OpenCV counts.
+    pub fn opencv(size: [usize; 2], focal_length_px: f64, principal_point_px: [f64; 2], distortion: [f64; 5]) -> Self {
+        let [column, row] = principal_point_px.map(|from_corner| from_corner - 0.5);
+        Self {
+            model: "pinhole".into(),
+            width: size[0],
+            height: size[1],
+            k: [[focal_length_px, 0.0, column], [0.0, focal_length_px, row], [0.0, 0.0, 1.0]],
+            dist_model: "opencv k1 k2 p1 p2 k3".into(),
+            dist_coeffs: distortion.to_vec(),
+            pixel_origin: "the centre of the top left pixel is (0, 0)".into(),
+            axes: "+x right, +y down, +z along the boresight".into(),
+            shutter: "global, instantaneous".into(),
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PoseRecord {
+    /// Camera from the body's centre, body-fixed.
+    pub r_body_fixed_m: [f64; 3],
+    /// Scalar first, Hamilton's; turns body-fixed components into camera components.
+    pub q_wxyz: [f64; 4],
+    pub q_direction: String,
+    pub latitude_deg: f64,
+    pub longitude_east_deg: f64,
+    /// Above the reference spheroid.
+    pub height_m: f64,
+}
+
+impl Default for PoseRecord {
+    fn default() -> Self {
+        Self {
+            r_body_fixed_m: [0.0; 3],
+            q_wxyz: [1.0, 0.0, 0.0, 0.0],
+            q_direction: "camera_from_body".into(),
+            latitude_deg: 0.0,
+            longitude_east_deg: 0.0,
+            height_m: 0.0,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SunRecord {
+    /// Apparent, from the body's centre or the terrain's, as `seen_from` says.
+    pub direction_body_fixed: [f64; 3],
+    pub seen_from: String,
+    pub distance_m: f64,
+    pub angular_radius_rad: f64,
+    /// In the sky of the terrain's centre, clockwise from north; absent without terrain.
+    pub azimuth_deg: Option<f64>,
+    pub elevation_deg: Option<f64>,
+    /// `uniform`, or the law and its wavelength.
+    pub limb_darkening: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RadiometryRecord {
+    /// Of the plane `radiance`.
+    pub unit: String,
+    pub irradiance_1au_w_m2: f64,
+    /// At the Sun's distance.
+    pub irradiance_w_m2: f64,
+    /// Absent: the whole spectrum.
+    pub band_nm: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SensorRecord {
+    pub seed: u64,
+    pub exposure_s: f64,
+    pub f_number: f64,
+    pub transmission: f64,
+    pub samples_per_pixel: u32,
+    /// Absent: an ideal sensor.
+    pub gain_e_per_dn: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct InputRecords {
+    pub dem_sha256: Vec<String>,
+    pub horizon_sha256: Vec<String>,
+    /// File names.
+    pub kernels: Vec<String>,
+    /// `constant 0.12`, or the hash of the map.
+    pub albedo: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SoftwareRecord {
+    pub version: String,
+    /// Absent: built outside a repository.
+    pub commit: Option<String>,
+    pub adapter: String,
+    pub backend: String,
+}
+
+/// What the program knows of its own error; absent where nothing was measured.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct QualityRecord {
+    /// Of the compressed horizons.
+    pub max_horizon_error_deg: Option<f64>,
+    /// Share of ground pixels whose shadow that error could change.
+    pub share_uncertain: Option<f64>,
+    /// Share of ground pixels without DEM heights.
+    pub share_interpolated_dem: Option<f64>,
+}
+
+/// One channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaneRecord {
+    pub channel: String,
+    pub quantity: Quantity,
+    pub unit: String,
+    pub statistics: Statistics,
+}
+
+/// Of the pixels that have a value. Absent where none has.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Statistics {
+    pub count: usize,
+    pub minimum: Option<f32>,
+    pub median: Option<f32>,
+    pub quantile_995: Option<f32>,
+    pub maximum: Option<f32>,
+}
+
+impl Statistics {
+    pub fn of(values: &[f32]) -> Self {
+        let mut finite: Vec<f32> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        if finite.is_empty() {
+            return Self::default();
+        }
+        let last = finite.len() - 1;
+        let rank = |share: f64| (share * last as f64).round() as usize;
+        let minimum = finite.iter().copied().reduce(f32::min);
+        let maximum = finite.iter().copied().reduce(f32::max);
+        let quantile_995 = *finite.select_nth_unstable_by(rank(0.995), f32::total_cmp).1;
+        let median = *finite.select_nth_unstable_by(rank(0.5), f32::total_cmp).1;
+        Self { count: last + 1, minimum, median: Some(median), quantile_995: Some(quantile_995), maximum }
+    }
+}
+
+/// How a preview shows its plane: `DN = 65535 · value / white`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PreviewRecord {
+    pub file: FileRecord,
+    pub channel: String,
+    /// The value of DN 65535, in `unit`.
+    pub white: f64,
+    pub unit: String,
+    pub encoding: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FileRecord {
+    pub name: String,
+    pub sha256: String,
+    pub bytes: usize,
+}
+
+pub fn planes(image: &Image) -> Vec<PlaneRecord> {
+    let record = |plane: &crate::render::Plane| PlaneRecord {
+        channel: plane.name.into(),
+        quantity: plane.quantity,
+        unit: plane.quantity.unit().into(),
+        statistics: Statistics::of(&plane.values),
+    };
+    image.planes.iter().map(record).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_leave_out_pixels_without_a_value() {
+        let mut values: Vec<f32> = (0..=200).map(|value| value as f32).collect();
+        values.extend([f32::NAN, f32::INFINITY]);
+        let statistics = Statistics::of(&values);
+        assert_eq!(statistics.count, 201);
+        assert_eq!((statistics.minimum, statistics.median), (Some(0.0), Some(100.0)));
+        assert_eq!((statistics.quantile_995, statistics.maximum), (Some(199.0), Some(200.0)));
+        assert_eq!(Statistics::of(&[f32::NAN]), Statistics::default());
+    }
+
+    /// OpenCV's documentation of `initUndistortRectifyMap`: the centre of an image of n pixels is at (n − 1)/2.
+    #[test]
+    fn the_principal_point_is_half_a_pixel_from_the_corner_count() {
+        let camera = CameraRecord::opencv([1024, 512], 1000.0, [512.0, 256.0], [0.0; 5]);
+        assert_eq!((camera.k[0][2], camera.k[1][2]), (511.5, 255.5));
+    }
+}
