@@ -96,14 +96,14 @@ pub fn build_face(
             None => *grid,
         };
         // Before its empty edges are dropped a grid is a little too large.
-        grid.check_size(nested.dem, max_nodes_per_side + max_nodes_per_side / 20 + 4)?;
+        grid.check_size(nested.dem, max_nodes_per_side, max_nodes_per_side / 20)?;
         let mut heights_m = vec![f64::NAN; grid.nodes()];
         // Where this model has no data a finer one may have.
         for source in dems[..=index].iter().rev() {
             sample(body, &map, &grid, source.dem, &mut heights_m)?;
         }
         let (grid, heights_m) = grid.trim(heights_m).ok_or_else(|| Error::outside(nested.dem, centre))?;
-        grid.check_size(nested.dem, max_nodes_per_side)?;
+        grid.check_size(nested.dem, max_nodes_per_side, 0)?;
         let level = match levels.first() {
             Some(coarse) => nest(body, &map, &grid, &heights_m, coarse),
             None => outermost(body, &map, &grid, heights_m),
@@ -130,7 +130,7 @@ pub fn build_cube(
     let posting_m = body.equatorial_radius_m / half;
     let margin = (margin_m / posting_m).ceil() as usize;
     let grid = Grid::centred(posting_m, half as usize + margin);
-    grid.check_size(dem, max_nodes_per_side)?;
+    grid.check_size(dem, max_nodes_per_side, 0)?;
     // Filled on the model's own pixels: neighbouring faces then meet in the same heights at gaps too.
     let filled = fill::filled(dem);
     let face = |map: Gnomonic| -> Result<Face, Error> {

@@ -94,9 +94,10 @@ impl Grid {
         column.min(row).min(self.columns - 1 - column).min(self.rows - 1 - row)
     }
 
-    pub fn check_size(&self, dem: &Dem, max: usize) -> Result<(), Error> {
+    /// At most `max` nodes a side, or `slack` more.
+    pub fn check_size(&self, dem: &Dem, max: usize, slack: usize) -> Result<(), Error> {
         let nodes = self.columns.max(self.rows);
-        if nodes <= max {
+        if nodes <= max + slack {
             return Ok(());
         }
         let fitting_posting_m = self.posting_m * (nodes as f64 / max as f64).ceil();
