@@ -6,8 +6,9 @@
 //!
 //! **Craters** have the cumulative density `N(>D) = 0.0736 (D/km)^−b` per km² with `b = 1.83`: the
 //! empirical equilibrium (saturation) of densely cratered surfaces, which small craters reach everywhere.
-//! Their places are uniform, their shapes and ages in [`profile`]. A younger crater erases the relief of
-//! what it hits before its own is added, so that large young craters hold no old small ones.
+//! Their places are uniform, their shapes and ages in `profile.rs`. A younger crater erases the relief of
+//! what it hits before its own is added, as far as it is fresh, so that large young craters hold no old
+//! small ones.
 //!
 //! **Fractal.** Octaves of gradient noise from four pixels to the breakover at 2 km with amplitudes
 //! `λ^H`, `H = 0.95`: self-affine up to about 1 km as measured over the lunar highlands. It lies over
@@ -26,7 +27,7 @@
 //! # References
 //! Hartmann (1984), Icarus 60, 56, doi:10.1016/0019-1035(84)90138-6, density and exponent, taken from
 //! Minton et al. (2019), Icarus 326, 63, who give them as a cumulative distribution by radius (Hartmann's
-//! own −1.33 − 1.83 log D counts bins of √2);
+//! line, log N = −1.33 − 1.83 log D, seems to count bins of √2; his paper was not read);
 //! Trask (1966), JPL Technical Report 32-800, `N(>D) = 10^10.9 D^−2` per 10⁶ km², D in m: 1.6 times that at
 //! 100 m, so much do published equilibria differ;
 //! Xiao & Werner (2015), JGR Planets 120, 2277, doi:10.1002/2015JE004860, equilibrium on the Moon;
