@@ -137,11 +137,6 @@ impl Dem {
         sum / count
     }
 
-    /// Share of pixels without data.
-    pub fn nodata_share(&self) -> f64 {
-        self.heights_m.iter().filter(|height| height.is_nan()).count() as f64 / self.heights_m.len() as f64
-    }
-
     fn find_seams(&self) -> Result<Seams, Error> {
         let Some(period) = self.georeference.period_columns else { return Ok(Seams::default()) };
         let whole_turn = (period - period.round()).abs() < 0.01 && self.columns as f64 > period - 0.5;
@@ -255,7 +250,7 @@ fn reduction(georeference: &Georeference, window: Window, posting_m: Option<f64>
     let pixel_m = georeference.pixel_size() * georeference.metres_per_unit();
     let most = window.columns.min(window.rows) / 2;
     let wanted = posting_m.map_or(1, |posting_m| ((posting_m / pixel_m * (1.0 + 1e-9)) as usize).clamp(1, most));
-    let divides = |n: &usize| window.columns % n == 0 && window.rows % n == 0;
+    let divides = |n: &usize| window.columns.is_multiple_of(*n) && window.rows.is_multiple_of(*n);
     match georeference.period_columns {
         Some(_) => (1..=wanted).rev().find(divides).unwrap_or(1),
         None => wanted,

@@ -28,7 +28,14 @@
 //!
 //! # Assumptions
 //! Between nodes the surface is bilinear and no longer the model's: [`ResamplingError`] states by how
-//! much at the model's own samples, and depends on roughness and posting.
+//! much at the model's own samples. Measured at the model's own posting, root mean square and largest:
+//!
+//! ```text
+//! Mars, Gale (HiRISE)      1 m     0.003 m    0.08 m
+//! Moon, Site01 (LOLA)     10 m     0.08 m     2.9 m
+//! Moon, polar cap        240 m     1.6 m     30 m
+//! Moon, GLD100 globe       8 km  113 m     1480 m      means of 4 × 4 pixels, as a cube
+//! ```
 
 mod error;
 mod fill;
@@ -88,13 +95,15 @@ pub fn build_face(
             }
             None => *grid,
         };
-        grid.check_size(nested.dem, max_nodes_per_side)?;
+        // Before its empty edges are dropped a grid is a little too large.
+        grid.check_size(nested.dem, max_nodes_per_side, max_nodes_per_side / 20)?;
         let mut heights_m = vec![f64::NAN; grid.nodes()];
         // Where this model has no data a finer one may have.
         for source in dems[..=index].iter().rev() {
             sample(body, &map, &grid, source.dem, &mut heights_m)?;
         }
         let (grid, heights_m) = grid.trim(heights_m).ok_or_else(|| Error::outside(nested.dem, centre))?;
+        grid.check_size(nested.dem, max_nodes_per_side, 0)?;
         let level = match levels.first() {
             Some(coarse) => nest(body, &map, &grid, &heights_m, coarse),
             None => outermost(body, &map, &grid, heights_m),
@@ -121,7 +130,7 @@ pub fn build_cube(
     let posting_m = body.equatorial_radius_m / half;
     let margin = (margin_m / posting_m).ceil() as usize;
     let grid = Grid::centred(posting_m, half as usize + margin);
-    grid.check_size(dem, max_nodes_per_side)?;
+    grid.check_size(dem, max_nodes_per_side, 0)?;
     // Filled on the model's own pixels: neighbouring faces then meet in the same heights at gaps too.
     let filled = fill::filled(dem);
     let face = |map: Gnomonic| -> Result<Face, Error> {

@@ -4,10 +4,11 @@
 //! h = massif + Σ craters, oldest first, + fractal
 //! ```
 //!
-//! **Craters** have the cumulative density `N(>D) = 0.0724 (D/km)^−b` per km² with `b = 1.83`: the
+//! **Craters** have the cumulative density `N(>D) = 0.0736 (D/km)^−b` per km² with `b = 1.83`: the
 //! empirical equilibrium (saturation) of densely cratered surfaces, which small craters reach everywhere.
-//! Their places are uniform, their shapes and ages in [`profile`]. A younger crater erases the relief of
-//! what it hits before its own is added, so that large young craters hold no old small ones.
+//! Their places are uniform, their shapes and ages in `profile.rs`. A younger crater erases the relief of
+//! what it hits before its own is added, as far as it is fresh, so that large young craters hold no old
+//! small ones.
 //!
 //! **Fractal.** Octaves of gradient noise from four pixels to the breakover at 2 km with amplitudes
 //! `λ^H`, `H = 0.95`: self-affine up to about 1 km as measured over the lunar highlands. It lies over
@@ -24,8 +25,11 @@
 //! secondaries in rays, no complex craters: keep diameters under 15 km.
 //!
 //! # References
-//! Hartmann (1984), Icarus 60, 56, doi:10.1016/0019-1035(84)90026-6, the density and its exponent;
-//! Trask (1966), JPL Technical Report 32-800, `N(>D) = 10^10.9 D^−2` per 10⁶ km², D in m, within 10 % at 100 m;
+//! Hartmann (1984), Icarus 60, 56, doi:10.1016/0019-1035(84)90138-6, density and exponent, taken from
+//! Minton et al. (2019), Icarus 326, 63, who give them as a cumulative distribution by radius (Hartmann's
+//! line, log N = −1.33 − 1.83 log D, seems to count bins of √2; his paper was not read);
+//! Trask (1966), JPL Technical Report 32-800, `N(>D) = 10^10.9 D^−2` per 10⁶ km², D in m: 1.6 times that at
+//! 100 m, so much do published equilibria differ;
 //! Xiao & Werner (2015), JGR Planets 120, 2277, doi:10.1002/2015JE004860, equilibrium on the Moon;
 //! Rosenburg et al. (2011), JGR 116, E02001, doi:10.1029/2010JE003716, Hurst exponents and slopes.
 
@@ -45,8 +49,8 @@ use noise::Noise;
 use crate::geometry::{Body, Geodetic};
 use crate::raster::{self, Band, GeoTiff, Georeference};
 
-/// Cumulative number of craters larger than 1 km in a km². Hartmann (1984): log N = −1.14 − 1.83 log D.
-pub const DENSITY_PER_KM2: f64 = 0.0724;
+/// Cumulative number of craters larger than 1 km in a km². Minton et al. (2019), after Hartmann (1984).
+pub const DENSITY_PER_KM2: f64 = 0.0736;
 
 /// Exponent of the cumulative size distribution. Hartmann (1984).
 pub const EQUILIBRIUM_EXPONENT: f64 = 1.83;

@@ -99,6 +99,26 @@ fn scaled_integers_and_radii_become_heights() {
     assert_eq!(dem.heights_m[0], (R - 150.0) as f32);
 }
 
+/// Hard case 27: whatever a file says that it does not know is NaN, and nothing else is.
+#[test]
+fn declared_and_undeclared_missing_values_are_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, declared) = (folder.path().join("plain.tif"), folder.path().join("declared.tif"));
+    let mut values = vec![5.0; 100];
+    values[..5].copy_from_slice(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -9999.0, -32768.0]);
+    let crs = Projection::Equirectangular.proj4();
+    write(&plain, 10, 10, &crs, [0.0, 100.0, 0.0, 0.0, 0.0, -100.0], &values);
+    let missing = |path: &Path| -> Vec<usize> {
+        let heights_m = open(path).heights_m;
+        (0..100).filter(|index| heights_m[*index].is_nan()).collect()
+    };
+    assert_eq!(missing(&plain), [0, 1, 2]);
+    let arguments = ["-q", "-a_nodata", "-9999", plain.to_str().unwrap(), declared.to_str().unwrap()];
+    if gdal("gdal_translate", &arguments).is_some() {
+        assert_eq!(missing(&declared), [0, 1, 2, 3]);
+    }
+}
+
 /// Hard case 29: a sphere's latitude is planetocentric, a spheroid's planetographic.
 #[test]
 fn latitude_is_measured_on_the_figure_of_the_crs() {

@@ -137,9 +137,9 @@ mod tests {
         let mut missing = vec![true; 41 * 41];
         missing[20 * 41 + 20] = false;
         let distance = distances(&missing, 41);
-        for index in 0..41 * 41 {
+        for (index, distance) in distance.into_iter().enumerate() {
             let expected = ((index % 41) as f32 - 20.0).hypot((index / 41) as f32 - 20.0);
-            assert!((distance[index] - expected).abs() <= 0.08 * expected, "{} {expected}", distance[index]);
+            assert!((distance - expected).abs() <= 0.08 * expected, "{distance} {expected}");
         }
     }
 }

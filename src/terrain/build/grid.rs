@@ -1,6 +1,6 @@
 //! Which nodes a level has: extents, postings, and the lattice that all levels share.
 
-use glam::{DMat2, DVec2};
+use glam::DVec2;
 
 use super::{Error, NestedDem};
 use crate::geometry::{Body, Position};
@@ -54,7 +54,7 @@ impl Grid {
         let first = ((rectangle.low_m - anchor_m) / posting_m - slack).ceil();
         let last = ((rectangle.high_m - anchor_m) / posting_m + slack).floor();
         let count = last - first + 1.0;
-        (count.min_element() >= 2.0).then(|| Self {
+        (count.min_element() >= 2.0).then_some(Self {
             anchor_m,
             posting_m,
             first: [first.x as i64, first.y as i64],
@@ -94,9 +94,10 @@ impl Grid {
         column.min(row).min(self.columns - 1 - column).min(self.rows - 1 - row)
     }
 
-    pub fn check_size(&self, dem: &Dem, max: usize) -> Result<(), Error> {
+    /// At most `max` nodes a side, or `slack` more.
+    pub fn check_size(&self, dem: &Dem, max: usize, slack: usize) -> Result<(), Error> {
         let nodes = self.columns.max(self.rows);
-        if nodes <= max {
+        if nodes <= max + slack {
             return Ok(());
         }
         let fitting_posting_m = self.posting_m * (nodes as f64 / max as f64).ceil();
@@ -166,7 +167,8 @@ fn coarser_posting(nested: &NestedDem, natural_m: f64, finer_m: f64) -> Result<f
 /// A model's pixel nearest to the map's centre.
 struct Pixel {
     at_m: DVec2,
-    /// Geometric mean of its sides on the map; the nominal side where it is that within 2 %.
+    /// Its larger side on the map, since cells that shrink along parallels hold no more detail; the nominal
+    /// side where it is that within 2 %.
     posting_m: f64,
 }
 
@@ -196,8 +198,7 @@ impl Pixel {
             _ => return Err(outside()),
         };
         let span = [pixels[1].x - pixels[2].x, pixels[3].y - pixels[4].y];
-        let jacobian = DMat2::from_cols((right - left) / span[0], (down - up) / span[1]);
-        let natural_m = jacobian.determinant().abs().sqrt();
+        let natural_m = ((right - left) / span[0]).length().max(((down - up) / span[1]).length());
         let nominal_m = dem.georeference.pixel_size() * dem.georeference.metres_per_unit();
         let posting_m = if (natural_m / nominal_m - 1.0).abs() < 0.02 { nominal_m } else { natural_m };
         if at_m.is_finite() && posting_m.is_normal() { Ok(Self { at_m, posting_m }) } else { Err(outside()) }

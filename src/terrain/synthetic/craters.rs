@@ -103,8 +103,8 @@ impl Field {
         let radius = impact.diameter_m / 2.0 / self.posting_m;
         let profile = self.profiles.at(impact.degradation);
         let ground = Plane::around(self, heights_m, impact.at, radius);
-        // The relief that an impact erases comes back with none of its own decay.
-        let erasing = 0.9;
+        // What a fresh crater erases has a sharp edge; it fades as the crater does.
+        let erasing = 0.9 * profile::depth(&profile) / profile::DEPTH_TO_DIAMETER;
         let range = |centre: f64, count: usize| {
             let low = (centre - REACH * radius).ceil().max(0.0) as usize;
             let high = (centre + REACH * radius).floor().min(count as f64 - 1.0);

@@ -15,7 +15,7 @@ fn the_size_distribution_has_the_published_exponent_and_density() {
     // 1/√n of an exponent near 1.83 with n ≈ 3000, three times.
     assert!((1.0 / mean_log - 1.83).abs() < 0.11, "{} of {}", 1.0 / mean_log, diameters.len());
     let over_100_m = diameters.iter().filter(|d| **d > 100.0).count() as f64 / (20.48f64 * 20.48);
-    // Trask (1966): 7.9 per km² over 100 m; Hartmann: 4.9. Poisson noise of 2000 craters is 2 %.
+    // Trask (1966): 7.9 per km² over 100 m; Hartmann (1984): 5.0. Poisson noise of 2000 craters is 2 %.
     assert!((4.5..8.0).contains(&over_100_m), "{over_100_m}");
 }
 

@@ -151,6 +151,8 @@ fn a_level_too_large_says_what_would_fit() {
     let build = |nested| build_face(&Body::moon(), Geodetic::from_degrees(90.0, 0.0, 0.0), &[nested], 50);
     let message = build(NestedDem::whole(&dem)).unwrap_err().to_string();
     assert!(message.contains("posting_m = 20 or extent_m = 490 fits"), "{message}");
+    // 100 pixels are 100 nodes at most.
+    assert!(build_face(&Body::moon(), Geodetic::from_degrees(90.0, 0.0, 0.0), &[NestedDem::whole(&dem)], 100).is_ok());
     assert!(build(NestedDem { posting_m: Some(20.0), ..NestedDem::whole(&dem) }).is_ok());
     assert!(build(NestedDem { extent_m: Some(490.0), ..NestedDem::whole(&dem) }).is_ok());
 }
