@@ -21,6 +21,7 @@ enum Command {
     Horizon(cli::horizon::Args),
     Inspect(cli::inspect::Args),
     Kernels(cli::kernels::Args),
+    Run(cli::run::Args),
     Schema(cli::schema::Args),
     Sun(cli::sun::Args),
     Terrain(cli::terrain::Args),
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Horizon(args) => cli::horizon::run(args),
         Command::Inspect(args) => cli::inspect::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
+        Command::Run(args) => cli::run::run(args),
         Command::Schema(args) => cli::schema::run(args),
         Command::Sun(args) => cli::sun::run(args),
         Command::Terrain(args) => cli::terrain::run(args),
@@ -48,10 +50,11 @@ fn main() -> ExitCode {
     }
 }
 
-/// An error and its causes on one line.
+/// An error and its causes on one line; a cause that the error quotes is not said again.
 fn chain(error: &dyn Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}: {}", chain(cause)),
-        None => error.to_string(),
+    let text = error.to_string();
+    match error.source().map(chain) {
+        Some(cause) if !text.contains(&cause) => format!("{text}: {cause}"),
+        _ => text,
     }
 }

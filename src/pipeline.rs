@@ -1,1 +1,227 @@
-//! To come.
+//! From a scenario to images on disk: the stories of the crate's document, in order.
+//!
+//! ```text
+//! kernels -> Sun and frames      DEMs -> levels -> horizon tiles      trajectory, pointing -> views
+//!                        all of them -> scene -> renderer -> planes -> dataset
+//! ```
+//!
+//! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
+//! ready when the horizons begin.
+
+mod error;
+pub mod ground;
+pub mod motion;
+mod progress;
+mod record;
+pub mod scene;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+pub use error::Error;
+pub use motion::Exposure;
+pub use progress::{Progress, Silent};
+
+use crate::dataset::{self, Writer};
+use crate::ephemeris::{Almanac, BodyFrame, default_kernel_folder};
+use crate::gpu::{Adapter, Gpu};
+use crate::horizon;
+use crate::render::passes::Passes;
+use crate::render::reference::Reference;
+use crate::render::{Renderer, Scene, Shadows};
+use crate::scenario::{self, Albedo, Scenario};
+
+/// How to run a scenario.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Where the sequence goes.
+    pub output: PathBuf,
+    /// Where synthetic terrain and horizon tiles are kept for the next run.
+    pub cache: PathBuf,
+    /// Which exposures; `None`: all.
+    pub exposures: Option<Range<usize>>,
+    /// Keep what an earlier run of the same scenario finished.
+    pub resume: bool,
+    pub adapter: AdapterChoice,
+}
+
+/// Who renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AdapterChoice {
+    /// Any adapter; the reference renderer where there is none.
+    #[default]
+    Auto,
+    /// A hardware adapter or nothing.
+    Gpu,
+    /// The reference renderer.
+    Cpu,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    pub output: PathBuf,
+    pub adapter: String,
+    pub exposures: usize,
+    /// Rendered in this run; the others were there.
+    pub rendered: usize,
+    pub seconds: Seconds,
+    /// Of the device's passes, where it can tell.
+    pub device_seconds: Option<f64>,
+}
+
+/// Where the time went.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Seconds {
+    pub terrain: f64,
+    pub horizons: f64,
+    pub rendering: f64,
+    pub writing_after: f64,
+}
+
+/// All that is settled before the first exposure.
+#[derive(Debug)]
+pub struct Prepared {
+    pub almanac: Almanac,
+    pub frame: BodyFrame,
+    pub ground: ground::Ground,
+    pub exposures: Vec<Exposure>,
+}
+
+/// Kernels, terrain and poses of a scenario.
+pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
+    let almanac = match &scenario.kernels {
+        Some(paths) => Almanac::load(paths)?,
+        None => Almanac::default_kernels(&default_kernel_folder())?,
+    };
+    let frame = BodyFrame { body: scenario.body.clone(), ..almanac.body_frame(&scenario.body.name, Some(&scenario.frame))? };
+    let ground = ground::surface(scenario, &frame.body, cache, progress)?;
+    let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    Ok(Prepared { almanac, frame, ground, exposures })
+}
+
+/// The scene that a renderer reads, with its shadows.
+pub fn scene(
+    scenario: &Scenario,
+    ground: &mut ground::Ground,
+    cache: &Path,
+    progress: &dyn Progress,
+) -> Result<Scene, Error> {
+    let albedo = match &scenario.albedo {
+        Albedo::Constant(_) => None,
+        Albedo::Map(path) => Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?),
+    };
+    let settings = horizon::Settings {
+        azimuths: scenario.horizon.azimuths as usize,
+        search_m: scenario.horizon.search_m,
+        observer_height_m: scenario.horizon.observer_height_m,
+    };
+    let shadows = match scenario.shadows {
+        scenario::Shadows::Off => Shadows::None,
+        scenario::Shadows::Traced => Shadows::Traced(settings),
+        scenario::Shadows::Fourier => Shadows::Fourier(ground::horizons(&ground.surface, &settings, cache, progress)?),
+    };
+    Ok(Scene {
+        surface: ground.surface.clone(),
+        shadows,
+        reflectance: scene::reflectance(scenario)?,
+        albedo,
+        disk: scene::disk(scenario)?,
+        optics: scene::optics(scenario)?,
+        detector: scene::detector(scenario)?,
+        samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,
+        quantities: scenario.outputs.planes.clone(),
+    })
+}
+
+/// Runs a scenario from its kernels to its images.
+pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
+    let mut seconds = Seconds::default();
+    let chosen = chosen(scenario, options)?;
+    // The output's folder is tried before hours are spent on what shall go there.
+    dataset::check_writable(&options.output)?;
+    let gpu = open_adapter(options.adapter, scenario, progress)?;
+    let start = Instant::now();
+    let mut prepared = prepare(scenario, &options.cache, progress)?;
+    seconds.terrain = lap(start);
+    let start = Instant::now();
+    let scene = scene(scenario, &mut prepared.ground, &options.cache, progress)?;
+    seconds.horizons = lap(start);
+
+    let mut passes = gpu.as_ref().map(Passes::new);
+    let mut reference = Reference;
+    let renderer: &mut dyn Renderer = match &mut passes {
+        Some(passes) => passes,
+        None => &mut reference,
+    };
+    let adapter = renderer.adapter();
+    let run = record::run(scenario, &prepared, &scene, &adapter);
+    let settings = dataset::Settings {
+        tiff: scenario.outputs.tiff,
+        animation: scenario.outputs.animation,
+        white: record::white(scenario),
+    };
+    let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
+    let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
+
+    let start = Instant::now();
+    let mut device = Duration::ZERO;
+    progress.begin("rendering", todo.len(), "exposures");
+    for (done, &index) in todo.iter().enumerate() {
+        let exposure = &prepared.exposures[index];
+        let image = renderer.render(&scene, &exposure.view)?;
+        device += renderer.device_time().unwrap_or_default();
+        let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
+        writer.submit(dataset::Exposure { index, image, facts })?;
+        progress.at(done + 1, todo.len());
+    }
+    seconds.rendering = lap(start);
+    let start = Instant::now();
+    progress.begin("writing previews", 1, "sequence");
+    let summary = writer.finish()?;
+    seconds.writing_after = lap(start);
+    Ok(Report {
+        output: summary.directory,
+        adapter,
+        exposures: summary.exposures,
+        rendered: todo.len(),
+        seconds,
+        device_seconds: (device > Duration::ZERO).then_some(device.as_secs_f64()),
+    })
+}
+
+fn lap(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}
+
+fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
+    let count = scenario.exposures.len();
+    let range = options.exposures.clone().unwrap_or(0..count);
+    if range.is_empty() || range.end > count {
+        return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });
+    }
+    Ok(range)
+}
+
+/// The device that renders; `None`: the reference renderer does.
+fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progress) -> Result<Option<Gpu>, Error> {
+    let traced = scenario.shadows == scenario::Shadows::Traced;
+    match choice {
+        AdapterChoice::Cpu => Ok(None),
+        AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
+        AdapterChoice::Auto if traced => {
+            progress.say("traced shadows: rendering with the reference renderer on the CPU");
+            Ok(None)
+        }
+        AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {
+            Ok(gpu) => Ok(Some(gpu)),
+            Err(error) => {
+                progress.say(&format!("{error}; rendering with the reference renderer on the CPU"));
+                Ok(None)
+            }
+        },
+    }
+}

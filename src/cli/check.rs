@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use perilune::scenario::{self, ScenarioError};
 use serde_json::json;
 
-use super::Outcome;
+use super::{Outcome, about};
 
 /// Check a scenario without running it: report all that is wrong with it, each with line and column.
 #[derive(Debug, clap::Args)]
@@ -21,7 +21,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let checked = scenario::load(&args.scenario, &args.data, &|_| None);
+    let checked = scenario::load(&args.scenario, &args.data, &about);
     if args.json {
         println!("{:#}", report(&checked));
     } else if let Ok(scenario) = &checked {

@@ -21,6 +21,17 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
     })
 }
 
+/// Makes `directory` where it is not there, and tries whether files can be written into it.
+pub fn check_writable(directory: &Path) -> Result<(), DatasetError> {
+    let path = directory.to_path_buf();
+    if directory.is_file() {
+        return Err(DatasetError::OutputIsAFile { path });
+    }
+    fs::create_dir_all(directory).map_err(|source| DatasetError::Create { path: path.clone(), source })?;
+    let probe = directory.join(format!("probe{PARTIAL}"));
+    fs::write(&probe, b"probe").and_then(|()| fs::remove_file(&probe)).map_err(|source| DatasetError::Write { path, source })
+}
+
 pub fn read(path: &Path) -> Result<Vec<u8>, DatasetError> {
     fs::read(path).map_err(|source| DatasetError::Read { path: path.to_path_buf(), source })
 }

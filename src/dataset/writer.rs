@@ -68,12 +68,8 @@ pub struct Writer {
 impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
-        let path = directory.to_path_buf();
-        if directory.is_file() {
-            return Err(DatasetError::OutputIsAFile { path });
-        }
-        fs::create_dir_all(directory).map_err(|source| DatasetError::Create { path: path.clone(), source })?;
-        let desk = Desk { directory: path, key: run.key(), tiff: settings.tiff };
+        atomic::check_writable(directory)?;
+        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), tiff: settings.tiff };
         desk.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let background = desk.clone();

@@ -40,7 +40,7 @@ pub fn exposures(
         if let Some(albedo) = scenario.earthshine_albedo {
             lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
         }
-        exposures.push(Exposure { epoch, sun, view: View { camera_position: position, camera_from_body, lights } });
+        exposures.push(Exposure { epoch, sun, view: view });
     }
     Ok(exposures)
 }
@@ -115,7 +115,7 @@ fn on_body(surface: &Surface, point: Geodetic, above: HeightAbove) -> Position<B
     let body = &surface.terrain.body;
     let position = body.position_from_geodetic(point);
     match above {
-        HeightAbove::Reference => position,
+        HeightAbove::Spheroid => position,
         HeightAbove::Terrain => {
             let ground_m = body.geodetic_from_position(surface.below(position)).height_m;
             body.position_from_geodetic(Geodetic { height_m: ground_m + point.height_m, ..point })
@@ -134,8 +134,15 @@ fn trajectory(
         scenario::Trajectory::Waypoints { points, height_above } => {
             let start = points[0].epoch;
             let offset = |epoch: Epoch| (epoch - start).to_unit(Unit::Second);
-            let points: Vec<_> =
+            let mut points: Vec<_> =
                 points.iter().map(|p| (offset(p.epoch), on_body(surface, p.point, *height_above))).collect();
+            if let [(from_s, alone)] = points[..] {
+                // One point is a camera that stands still, from the first exposure to the last.
+                let [first, last] = [scenario.exposures.first(), scenario.exposures.last()];
+                let until_s = last.map_or(from_s, |epoch| offset(*epoch)).max(from_s) + 1.0;
+                points[0].0 = first.map_or(from_s, |epoch| offset(*epoch)).min(from_s);
+                points.push((until_s, alone));
+            }
             Trajectory::Waypoints(Waypoints::new(start, &points, SplineEnds::Natural)?)
         }
         scenario::Trajectory::Spk { naif_id, .. } => Trajectory::Spk(SpkObject { naif_id: *naif_id }),
@@ -149,10 +156,10 @@ fn trajectory(
                 argument_of_periapsis_rad: elements.periapsis_rad,
                 true_anomaly_rad: elements.true_anomaly_rad,
             };
-            Trajectory::TwoBody(TwoBody::from_elements(*epoch, gm(gm_m3_s2)?, &elements)?)
+            Trajectory::TwoBody(TwoBody::from_elements(*epoch, elements, gm(gm_m3_s2)?)?)
         }
         scenario::Trajectory::State { epoch, position_m, velocity_m_s, gm_m3_s2 } => {
-            Trajectory::TwoBody(TwoBody::from_state(*epoch, gm(gm_m3_s2)?, *position_m, *velocity_m_s)?)
+            Trajectory::TwoBody(TwoBody::from_state(*epoch, *position_m, *velocity_m_s, gm(gm_m3_s2)?)?)
         }
     })
 }

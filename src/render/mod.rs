@@ -15,6 +15,8 @@ pub use image::{Image, Plane, Quantity};
 pub use planes::Samples;
 pub use view::{Light, Scene, Shadows, View};
 
+use std::time::Duration;
+
 use crate::gpu::GpuError;
 
 /// A way to render a scene, one view after the other.
@@ -23,6 +25,11 @@ pub trait Renderer {
     fn adapter(&self) -> String;
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError>;
+
+    /// What the device spent on the last view, where it can tell.
+    fn device_time(&self) -> Option<Duration> {
+        None
+    }
 
     fn render(&mut self, scene: &Scene, view: &View) -> Result<Image, RenderError> {
         Ok(planes::image(scene, view, &self.samples(scene, view)?))

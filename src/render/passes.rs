@@ -7,6 +7,8 @@
 //!
 //! `reference` is the twin; `tests/conformance` holds the two together.
 
+use std::time::Duration;
+
 use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
@@ -39,8 +41,7 @@ const GROUP: usize = 64;
 pub struct Passes<'a> {
     gpu: &'a Gpu,
     prepared: Option<Prepared>,
-    /// Seconds the device spent on the last view, where it can tell.
-    pub device_seconds: Option<f64>,
+    device_time: Option<Duration>,
 }
 
 /// What stays on the device from view to view.
@@ -75,7 +76,7 @@ struct Band {
 
 impl<'a> Passes<'a> {
     pub fn new(gpu: &'a Gpu) -> Self {
-        Self { gpu, prepared: None, device_seconds: None }
+        Self { gpu, prepared: None, device_time: None }
     }
 }
 
@@ -84,13 +85,17 @@ impl Renderer for Passes<'_> {
         self.gpu.describe()
     }
 
+    fn device_time(&self) -> Option<Duration> {
+        self.device_time
+    }
+
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
         if self.prepared.is_none() {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
         let prepared = self.prepared.as_ref().expect("prepared above");
         let (pixels, centres, seconds) = prepared.dispatch(self.gpu, scene, view)?;
-        self.device_seconds = seconds;
+        self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
         Ok(Samples { pixels, centres })

@@ -75,13 +75,15 @@ fn cube() -> Terrain {
 
 fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
     let (columns, rows) = (160, 120);
-    let focal_px = columns as f64 / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
+    let focal_px = f64::from(columns) / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
     Scene {
         surface: Surface::new(terrain),
         shadows: Shadows::None,
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
+        albedo: None,
+        detector: None,
         disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),
-        optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)),
+        optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)).unwrap(),
         samples_per_side: 2,
         quantities: vec![Quantity::Radiance, Quantity::Range],
     }
@@ -96,6 +98,7 @@ fn view(body: &Body, from: Geodetic, at: Geodetic, sun_elevation_deg: f64) -> Vi
     let (sin, cos) = sun_elevation_deg.to_radians().sin_cos();
     let sun = local.turn(DVec3::new(0.6 * cos, 0.8 * cos, sin));
     View {
+        exposure: 0,
         camera_position: position,
         camera_from_body: Rotation::from_axes(right, boresight.cross(right), boresight),
         lights: vec![Light {
@@ -160,7 +163,7 @@ fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
 
 /// True where a neighbour's range differs by more than 2 % or one of the two sees the sky or a gap.
 fn at_depth_edge(scene: &Scene, samples: &Samples, pixel: usize) -> bool {
-    let (columns, rows) = (scene.optics.columns, scene.optics.rows);
+    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let (column, row) = (pixel % columns, pixel / columns);
     let range = |c: usize, r: usize| samples.centres[r * columns + c].map(|hit| (hit.distance_m, hit.ground == Ground::Gap));
     let here = range(column, row);

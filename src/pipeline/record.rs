@@ -1,0 +1,183 @@
+//! What is written down about a run and about each exposure.
+
+use super::ground::file_name;
+use super::{Prepared, scene};
+use crate::dataset::{
+    self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
+    RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, White,
+};
+use crate::ephemeris::{horizontal, utc_text};
+use crate::render::{Image, Quantity, Scene, Shadows};
+use crate::scenario::{Albedo, Preview, Scenario};
+
+/// What the whole sequence is made from.
+pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Run {
+    let kernels = prepared.almanac.kernels().iter().map(|kernel| Input {
+        role: "kernel".into(),
+        name: kernel.name.clone(),
+        sha256: kernel.sha256.clone(),
+    });
+    let horizons = horizon_maps(scene).map(|map| Input {
+        role: "horizon".into(),
+        name: format!("{} horizons of {} by {} nodes", map.encoding_name(), map.columns, map.rows),
+        sha256: map.key().to_string(),
+    });
+    Run {
+        title: scenario.title.clone(),
+        name: scenario.name.clone(),
+        scenario: scenario.text.clone(),
+        body: body(scenario),
+        seed: scenario.seed,
+        software: software(adapter),
+        inputs: prepared.ground.inputs.iter().cloned().chain(horizons).chain(kernels).collect(),
+        settings: serde_json::json!({
+            "frame": prepared.frame.frame_name,
+            "shadows": format!("{:?}", scenario.shadows),
+            "photometry": format!("{:?}", scene.reflectance),
+            "limb_darkening": scene::disk_name(scenario),
+            "samples_per_pixel": scenario.camera.samples_per_pixel,
+            "resampling": prepared.ground.resampling,
+        }),
+    }
+}
+
+/// How previews are scaled.
+pub fn white(scenario: &Scenario) -> White {
+    match scenario.outputs.preview {
+        Preview::Auto => White::Auto,
+        Preview::White { radiance_w_m2_sr } => White::Radiance(radiance_w_m2_sr),
+    }
+}
+
+fn horizon_maps(scene: &Scene) -> impl Iterator<Item = &crate::horizon::HorizonMap> {
+    let maps = match &scene.shadows {
+        Shadows::Fourier(maps) => maps.as_slice(),
+        Shadows::None | Shadows::Traced(_) => &[],
+    };
+    maps.iter().flatten()
+}
+
+fn software(adapter: &str) -> SoftwareRecord {
+    SoftwareRecord {
+        version: env!("CARGO_PKG_VERSION").into(),
+        commit: dataset::commit(),
+        adapter: adapter.into(),
+        backend: if adapter.starts_with("reference") { "rust f64".into() } else { "wgpu".into() },
+    }
+}
+
+fn body(scenario: &Scenario) -> BodyRecord {
+    let body = &scenario.body;
+    BodyRecord {
+        name: body.name.clone(),
+        frame: scenario.frame.clone(),
+        radii_m: [body.equatorial_radius_m, body.equatorial_radius_m, body.polar_radius_m],
+    }
+}
+
+/// What is known of exposure `index`.
+pub fn facts(
+    scenario: &Scenario,
+    prepared: &Prepared,
+    scene: &Scene,
+    run: &Run,
+    index: usize,
+    image: &Image,
+) -> Facts {
+    let exposure = &prepared.exposures[index];
+    let camera = &scenario.camera;
+    Facts {
+        frame_id: format!("{}/{index:04}", scenario.name),
+        epoch: EpochRecord {
+            tdb_s_past_j2000: exposure.epoch.to_et_seconds(),
+            utc: utc_text(exposure.epoch),
+        },
+        body: run.body.clone(),
+        camera: CameraRecord::opencv(
+            [camera.columns as usize, camera.rows as usize],
+            camera.focal_length_px,
+            camera.principal_point_px,
+            camera.distortion.as_ref().map_or([0.0; 5], |d| [d.k1, d.k2, d.p1, d.p2, d.k3]),
+        ),
+        pose: pose(prepared, index),
+        sun: sun(scenario, prepared, index),
+        radiometry: RadiometryRecord {
+            unit: Quantity::Radiance.unit().into(),
+            irradiance_1au_w_m2: scenario.sun.irradiance_w_m2,
+            irradiance_w_m2: exposure.view.lights[0].irradiance_w_m2,
+            band_nm: camera.band_m.map(|band| band.map(|edge_m| edge_m * 1e9)),
+        },
+        sensor: SensorRecord {
+            seed: scenario.seed,
+            exposure_s: camera.exposure_s,
+            f_number: camera.f_number,
+            transmission: camera.transmission,
+            samples_per_pixel: camera.samples_per_pixel,
+            gain_e_per_dn: scenario.detector.as_ref().map(|detector| detector.gain_e_per_dn),
+        },
+        inputs: inputs(scenario, run),
+        software: run.software.clone(),
+        quality: quality(scene, image),
+    }
+}
+
+fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
+    let view = &prepared.exposures[index].view;
+    let q = view.camera_from_body.quaternion();
+    let place = prepared.frame.body.geodetic_from_position(view.camera_position);
+    PoseRecord {
+        r_body_fixed_m: view.camera_position.vector_m().to_array(),
+        q_wxyz: [q.w, q.x, q.y, q.z],
+        latitude_deg: place.latitude_rad.to_degrees(),
+        longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),
+        height_m: place.height_m,
+        ..Default::default()
+    }
+}
+
+fn sun(scenario: &Scenario, prepared: &Prepared, index: usize) -> SunRecord {
+    let sun = &prepared.exposures[index].sun;
+    let sky = horizontal(&prepared.frame.body, prepared.ground.centre, sun.direction);
+    let terrain = scenario.terrain.is_some();
+    let centre = prepared.ground.centre;
+    SunRecord {
+        direction_body_fixed: sun.direction.unit().to_array(),
+        seen_from: format!(
+            "the surface at latitude {:.5} deg, longitude {:.5} deg",
+            centre.latitude_rad.to_degrees(),
+            centre.longitude_east_rad.to_degrees().rem_euclid(360.0)
+        ),
+        distance_m: sun.distance_m,
+        angular_radius_rad: sun.angular_radius_rad,
+        azimuth_deg: terrain.then_some(sky.azimuth_rad.to_degrees()),
+        elevation_deg: terrain.then_some(sky.elevation_rad.to_degrees()),
+        limb_darkening: scene::disk_name(scenario),
+    }
+}
+
+fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
+    let of = |role: &str| run.inputs.iter().filter(move |input| input.role == role).collect::<Vec<_>>();
+    let hashes = |role: &str| of(role).iter().map(|input| input.sha256.clone()).collect();
+    InputRecords {
+        dem_sha256: hashes("dem"),
+        horizon_sha256: hashes("horizon"),
+        kernels: of("kernel").iter().map(|input| input.name.clone()).collect(),
+        albedo: match &scenario.albedo {
+            Albedo::Constant(albedo) => format!("constant {albedo}"),
+            Albedo::Map(path) => file_name(path),
+        },
+    }
+}
+
+fn quality(scene: &Scene, image: &Image) -> QualityRecord {
+    let worst_rad = horizon_maps(scene).map(|map| map.errors.max_rad).reduce(f64::max);
+    let gap_share = image.plane(Quantity::DemGap).map(|plane| {
+        let seen = plane.values.iter().filter(|value| value.is_finite()).count().max(1);
+        plane.values.iter().filter(|value| **value > 0.5).count() as f64 / seen as f64
+    });
+    QualityRecord {
+        max_horizon_error_deg: worst_rad.map(f64::to_degrees),
+        share_uncertain: None,
+        share_interpolated_dem: gap_share,
+    }
+}
