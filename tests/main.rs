@@ -1,5 +1,11 @@
 //! All integration tests in one binary.
 
-mod reference {
+mod cli {
     mod ephemeris;
+}
+
+mod reference {
+    mod default_kernels;
+    mod ephemeris;
+    mod trajectory;
 }
