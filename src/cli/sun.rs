@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use hifitime::{Duration, Epoch, Unit};
 use perilune::ephemeris::{
-    Almanac, BodyFrame, Horizontal, Source, default_kernel_folder, earth, horizontal, parse_epoch, sun, utc_text,
+    Almanac, BodyFrame, EphemerisError, Horizontal, Source, default_kernel_folder, earth, horizontal, parse_epoch, sun,
+    utc_text,
 };
 use perilune::geometry::{BodyFixed, Geodetic, Position};
 use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
@@ -61,15 +62,17 @@ pub fn run(args: Args) -> Outcome {
     };
     let frame = almanac.body_frame(&args.body, args.frame.as_deref())?;
     let point = frame.body.position_from_geodetic(args.at);
-    let epochs = epochs(&args)?;
+    let rows: Vec<Row> = epochs(&args)?
+        .into_iter()
+        .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
+        .collect::<Result<_, _>>()?;
     if args.csv {
         println!("{}", COLUMNS.join(","));
     } else if !args.json {
         println!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at));
         println!("{}", table_header());
     }
-    for epoch in epochs {
-        let row = Row::at(&almanac, &frame, args.at, point, epoch)?;
+    for row in rows {
         if args.json {
             println!("{}", row.as_json(&frame));
         } else if args.csv {
@@ -138,7 +141,7 @@ fn parse_step(text: &str) -> Result<Duration, String> {
 }
 
 fn place_text(at: Geodetic) -> String {
-    format!("{}°, {}° E, {} m", at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees(), at.height_m)
+    format!("{:.6}°, {:.6}° E, {} m", at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees(), at.height_m)
 }
 
 const COLUMNS: [&str; 9] = [
@@ -184,7 +187,7 @@ impl Row {
         at: Geodetic,
         point: Position<BodyFixed>,
         epoch: Epoch,
-    ) -> Result<Self, Box<dyn std::error::Error>> {
+    ) -> Result<Self, EphemerisError> {
         let (sun, earth) = (sun(almanac, frame, point, epoch)?, earth(almanac, frame, point, epoch)?);
         let sun_at = horizontal(&frame.body, at, sun.direction);
         let earth_at = horizontal(&frame.body, at, earth.direction);

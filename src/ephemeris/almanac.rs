@@ -5,26 +5,20 @@
 //! chains of centres up to the solar system barycentre, in `f64`: 1 au is resolved to 0.03 mm.
 //!
 //! # Assumptions
-//! A text kernel needs no masses: where none is loaded, only two-body motion misses them. A planet stands for
-//! the barycentre of its system where a kernel has only this (Mars: within 0.3 m). A triaxial body becomes the
-//! spheroid of its mean equatorial radius. ANISE's own `.pca` may have lost the terms that
-//! text kernels write with a Fortran exponent (3.2 m on the Moon in 2024); the text kernel is read whole.
+//! Masses are optional: without them only two-body motion fails. The barycentre of a planet's system stands for
+//! the planet where a kernel has only this (Mars: within 0.3 m). A triaxial body becomes the spheroid of its mean
+//! equatorial radius. ANISE's own `.pca` may lack the terms that text kernels write with a Fortran exponent (0.42″
+//! of the Moon's rotation in 2024); text kernels are read whole.
 //!
 //! # References
 //! Acton (1996), Planet. Space Sci. 44, 65, doi:10.1016/0032-0633(95)00107-7.
 //! Park et al. (2021), Astron. J. 161, 105, doi:10.3847/1538-3881/abd414, for DE440.
 
-use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anise::almanac::Almanac as Anise;
 use anise::constants::orientations::J2000;
 use anise::math::{Matrix3, Vector3};
-use anise::naif::kpl::fk::FKItem;
-use anise::naif::kpl::parser::{convert_fk_items, convert_tpc_items};
-use anise::naif::kpl::tpc::TPCItem;
-use anise::naif::kpl::{KPLValue, Parameter};
-use anise::naif::{BPC, SPK};
 use anise::prelude::Frame as AniseFrame;
 use glam::{DMat3, DVec3};
 use hifitime::Epoch;
@@ -32,14 +26,11 @@ use hifitime::Epoch;
 use super::EphemerisError;
 use super::daf::{Kind, Segment};
 use super::epoch::{et_text, utc_text};
-use super::kernel::{Contents, Kernel};
+use super::kernel::Kernel;
 use super::names::{LUNAR_FRAMES, MOON, body_id, body_name, frame_ids, frame_name};
 use crate::geometry::{Body, BodyFixed, Icrf, Position, Rotation};
 
 const M_PER_KM: f64 = 1000.0;
-/// SPK types that are evaluated, and the only one of binary PCK.
-const SPK_TYPES: (&[i32], &str) = (&[1, 2, 3, 8, 9, 12, 13], "1, 2, 3, 8, 9, 12 and 13");
-const BPC_TYPES: (&[i32], &str) = (&[2], "2");
 /// Longest chain of centres from an object to the solar system barycentre.
 const CHAIN_AT_MOST: usize = 8;
 const SOLAR_SYSTEM_BARYCENTER: i32 = 0;
@@ -47,8 +38,8 @@ const SOLAR_SYSTEM_BARYCENTER: i32 = 0;
 /// Loaded kernels.
 #[derive(Clone)]
 pub struct Almanac {
-    anise: Anise,
-    kernels: Vec<Kernel>,
+    pub(super) anise: Anise,
+    pub(super) kernels: Vec<Kernel>,
 }
 
 impl std::fmt::Debug for Almanac {
@@ -81,39 +72,6 @@ pub(super) struct State {
 }
 
 impl Almanac {
-    /// Loads kernels in order; where two cover the same, the later one wins, as in SPICE.
-    pub fn load(paths: &[PathBuf]) -> Result<Self, EphemerisError> {
-        let mut anise = Anise::default();
-        let mut kernels: Vec<Kernel> = Vec::new();
-        let mut constants = HashMap::new();
-        let mut constants_path = PathBuf::new();
-        for path in paths {
-            let (kernel, contents) = Kernel::read(path)?;
-            check_segments(&kernel)?;
-            // ANISE keeps kernels by name, and two folders may hold one name.
-            let alias = Some(format!("{} {}", kernels.len(), path.display()));
-            anise = match contents {
-                Contents::Daf(bytes) => load_daf(anise, path, &kernel, &bytes, alias)?,
-                Contents::Bodies(set) => anise.with_planetary_data_as(set, alias),
-                Contents::Frames(set) => anise.with_euler_parameters_as(set, alias),
-                Contents::Text { bodies, frames } => {
-                    if !bodies.is_empty() {
-                        constants_path.clone_from(path);
-                    }
-                    merge_constants(&mut constants, bodies);
-                    with_fixed_frames(anise, path, frames, alias)?
-                }
-            };
-            kernels.push(kernel);
-        }
-        if !constants.is_empty() {
-            let set = convert_tpc_items(with_masses(constants), HashMap::new())
-                .map_err(|source| EphemerisError::Constants { path: constants_path, source: Box::new(source) })?;
-            anise = anise.with_planetary_data_as(set, Some("text".to_owned()));
-        }
-        Ok(Self { anise, kernels })
-    }
-
     /// The kernels that come with the program, from the folder that holds them.
     pub fn default_kernels(folder: &Path) -> Result<Self, EphemerisError> {
         Self::load(&super::DEFAULT_KERNELS.map(|name| folder.join(name)))
@@ -184,7 +142,11 @@ impl Almanac {
             sum.velocity_m_s += metres(state.velocity_km_s);
             id = state.frame.ephemeris_id;
         }
-        Ok((sum, id))
+        if sum.position_m.is_finite() && sum.velocity_m_s.is_finite() {
+            return Ok((sum, id));
+        }
+        let what = format!("the position of {}", body_name(object));
+        Err(EphemerisError::NotFinite { what, epoch_utc: utc_text(epoch) })
     }
 
     /// State of an object against the solar system barycentre.
@@ -258,9 +220,10 @@ impl Almanac {
             None => vec![body.naif_id],
         };
         let frame_id = candidates.iter().copied().find(|id| self.has_frame(*id)).ok_or_else(|| {
-            let id = candidates[0];
+            // Of the defaults the last asks for least.
+            let id = if frame.is_some() { candidates[0] } else { candidates[candidates.len() - 1] };
             let lunar = LUNAR_FRAMES.iter().find(|frame| frame.id == id);
-            let needed = lunar.map_or("a text PCK with the body's rotation", |frame| frame.kernels);
+            let needed = lunar.map_or("a text PCK with the body's rotation (pck00011.tpc)", |frame| frame.kernels);
             let frame = frame.map_or_else(|| frame_name(id), str::to_owned);
             EphemerisError::FrameNotAvailable { frame, needed: needed.to_owned(), loaded: self.loaded() }
         })?;
@@ -295,8 +258,12 @@ impl Almanac {
             epoch_utc: utc_text(epoch),
             source: Box::new(source),
         })?;
-        let rate_per_s = dcm.rot_mat_dt.map_or(DMat3::ZERO, matrix);
-        Ok(Orientation { body_from_icrf: Rotation::from_matrix(matrix(dcm.rot_mat)), rate_per_s })
+        let (rotation, rate_per_s) = (matrix(dcm.rot_mat), dcm.rot_mat_dt.map_or(DMat3::ZERO, matrix));
+        if rotation.is_finite() && rate_per_s.is_finite() {
+            return Ok(Orientation { body_from_icrf: Rotation::from_matrix(rotation), rate_per_s });
+        }
+        let what = format!("the orientation of {}", frame.frame_name);
+        Err(EphemerisError::NotFinite { what, epoch_utc: utc_text(epoch) })
     }
 
     /// Rotation into the body's frame at an epoch.
@@ -318,101 +285,6 @@ impl Orientation {
         let turned_m_s = icrf_from_body.turn(velocity_m_s) + self.rate_per_s.transpose() * position.vector_m();
         (icrf_from_body.turn(position.vector_m()), turned_m_s)
     }
-}
-
-/// Refuses segments that ANISE would read wrongly without a word.
-fn check_segments(kernel: &Kernel) -> Result<(), EphemerisError> {
-    for segment in &kernel.segments {
-        let (path, name) = (kernel.path.clone(), segment.name.clone());
-        let (types, allowed) = if segment.kind == Kind::Spk { SPK_TYPES } else { BPC_TYPES };
-        if !types.contains(&segment.data_type) {
-            return Err(EphemerisError::DataType { path, segment: name, data_type: segment.data_type, allowed });
-        }
-        // ANISE ignores the frame of an SPK segment; of a binary PCK it knows ECLIPJ2000 too.
-        let (frames, allowed): (&[i32], _) =
-            if segment.kind == Kind::Spk { (&[1], "1 (ICRF)") } else { (&[1, 17], "1 (ICRF) and 17 (ECLIPJ2000)") };
-        let frame_id = segment.inertial_frame_id;
-        if !frames.contains(&frame_id) {
-            return Err(EphemerisError::InertialFrame { path, segment: name, frame_id, allowed });
-        }
-    }
-    check_overlaps(kernel)
-}
-
-/// SPICE prefers the last of two overlapping segments in a file, ANISE the first.
-fn check_overlaps(kernel: &Kernel) -> Result<(), EphemerisError> {
-    let ids: BTreeSet<i32> = kernel.segments.iter().map(|segment| segment.target_id).collect();
-    for id in ids {
-        let mut spans: Vec<&Segment> = kernel.segments.iter().filter(|segment| segment.target_id == id).collect();
-        spans.sort_by(|a, b| a.start_et_s.total_cmp(&b.start_et_s));
-        if let Some(pair) = spans.windows(2).find(|pair| pair[1].start_et_s < pair[0].end_et_s) {
-            let from_utc = et_text(pair[1].start_et_s);
-            let what = body_name(id);
-            return Err(EphemerisError::Overlap { path: kernel.path.clone(), what, from_utc });
-        }
-    }
-    Ok(())
-}
-
-fn load_daf(
-    anise: Anise,
-    path: &Path,
-    kernel: &Kernel,
-    bytes: &[u8],
-    alias: Option<String>,
-) -> Result<Anise, EphemerisError> {
-    use super::daf::DafError;
-    // The summaries were checked before; what ANISE may still refuse is a summary's epochs.
-    let refused = |_| EphemerisError::Corrupted { path: path.to_owned(), source: DafError::Summary { index: 0 } };
-    if kernel.segments[0].kind == Kind::Spk {
-        Ok(anise.with_spk_as(SPK::parse(bytes).map_err(refused)?, alias))
-    } else {
-        Ok(anise.with_bpc_as(BPC::parse(bytes).map_err(refused)?, alias))
-    }
-}
-
-fn with_fixed_frames(
-    anise: Anise,
-    path: &Path,
-    frames: HashMap<i32, FKItem>,
-    alias: Option<String>,
-) -> Result<Anise, EphemerisError> {
-    // ANISE hangs frames given by a matrix on the wrong parent; only the lunar ones, given by angles, are used.
-    let lunar: HashMap<i32, FKItem> =
-        frames.into_iter().filter(|(id, _)| LUNAR_FRAMES.iter().any(|frame| frame.id == *id)).collect();
-    if lunar.is_empty() {
-        return Ok(anise);
-    }
-    let set = convert_fk_items(lunar)
-        .map_err(|source| EphemerisError::Constants { path: path.to_owned(), source: Box::new(source) })?;
-    Ok(anise.with_euler_parameters_as(set, alias))
-}
-
-fn merge_constants(all: &mut HashMap<i32, TPCItem>, more: HashMap<i32, TPCItem>) {
-    for (id, item) in more {
-        all.entry(id).or_insert_with(|| TPCItem { body_id: Some(id), ..TPCItem::default() }).data.extend(item.data);
-    }
-}
-
-/// Gives every body a mass, since ANISE skips bodies without, and Mercury and Venus their systems' angles, since
-/// ANISE finds them under either id, by chance.
-fn with_masses(mut constants: HashMap<i32, TPCItem>) -> HashMap<i32, TPCItem> {
-    for (planet, system) in [(199, 1), (299, 2)] {
-        if let Some(system) = constants.remove(&system)
-            && let Some(planet) = constants.get_mut(&planet)
-        {
-            for (parameter, value) in system.data {
-                planet.data.entry(parameter).or_insert(value);
-            }
-        }
-    }
-    for item in constants.values_mut() {
-        let mass = item.data.entry(Parameter::GravitationalParameter).or_insert(KPLValue::Float(0.0));
-        if let KPLValue::Integer(whole) = *mass {
-            *mass = KPLValue::Float(f64::from(whole));
-        }
-    }
-    constants
 }
 
 fn metres(vector_km: Vector3) -> DVec3 {

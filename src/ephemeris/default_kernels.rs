@@ -8,19 +8,21 @@
 //! Earth, Moon against the Earth-Moon barycentre = -m Moon, (1 - m) Moon         Mars = Sun + plan94
 //! ```
 //!
-//! with `Moon` geocentric. Fitting errs by less than FIT_ERROR (tested); the series themselves err against DE440, 2020 to 2029, by:
+//! with `Moon` geocentric and the masses' ratio of DE440. The fit errs by less than 10 m. The series err against
+//! DE440 by at most (seen from the Moon 2020 to 2029, from Mars 2023 to 2025, by the tests of the reference):
 //!
 //! ```text
-//! MEASURED
+//! Sun from the Moon      0.028″    15 km         (its radius is 959″)
+//! Earth from the Moon   10.7″      11 km         (its radius is 3400″)
+//! Sun from Mars         10.1″    5020 km         (its radius is 630″)
 //! ```
 //!
 //! # Assumptions
-//! `moon98` takes TT for TDB (1.7 ms, 1.7 m) and `plan94` the axes of J2000 for ICRF (0.02″). The bytes repeat on one
-//! machine; another mathematics library may change last digits, far below the fit's error.
+//! `moon98` gets TDB for TT (1.7 ms, 1.7 m), and the axes of `plan94` (J2000) stand for ICRF (0.02″). The bytes
+//! repeat on one machine; another mathematics library may change last digits, far below the fit's error.
 //!
 //! # References
-//! SOFA, <https://www.iausofa.org>, issue 2023-10-11. Moisson and Bretagnon (2001), Celest. Mech. 80, 205,
-//! doi:10.1023/A:1011190816109. Simon et al. (1994), Astron. Astrophys. 282, 663. Meeus (1998), Astronomical
+//! SOFA, <https://www.iausofa.org>. Moisson and Bretagnon (2001), Celest. Mech. Dyn. Astron. 80, 205. Simon et al. (1994), Astron. Astrophys. 282, 663. Meeus (1998), Astronomical
 //! Algorithms, 2nd ed., chapter 47. Park et al. (2021), doi:10.3847/1538-3881/abd414, for the mass ratio.
 
 use std::f64::consts::PI;
@@ -232,16 +234,16 @@ mod tests {
     }
 
     #[test]
-    fn the_fit_stays_below_a_tenth_of_a_kilometre() {
+    fn the_fit_stays_below_ten_metres() {
         let start_et_s = 7e8;
         for series in &SERIES {
-            let segment = series.fit(start_et_s, start_et_s + 100.0 * DAY_S);
-            let error_km = (0..2000)
-                .map(|i| start_et_s + (f64::from(i) + 0.3) * 0.05 * DAY_S)
+            let segment = series.fit(start_et_s, start_et_s + 600.0 * DAY_S);
+            let error_km = (0..3000)
+                .map(|i| start_et_s + (f64::from(i) + 0.3) * 0.2 * DAY_S)
                 .map(|et_s| evaluate_km(&segment, et_s).distance((series.position_km)(et_s)))
                 .fold(0.0, f64::max);
             println!("{}: {error_km:.2e} km", series.name);
-            assert!(error_km < 0.1, "{}: {error_km} km", series.name);
+            assert!(error_km < 0.01, "{}: {error_km} km", series.name);
         }
     }
 }

@@ -43,6 +43,8 @@ pub enum EphemerisError {
     Position { what: String, epoch_utc: String, source: Box<AniseEphemerisError> },
     #[error("the orientation of {frame} at {epoch_utc} cannot be computed")]
     Orientation { frame: String, epoch_utc: String, source: Box<AniseOrientationError> },
+    #[error("{what} at {epoch_utc} is not a finite number; the kernel's data are damaged")]
+    NotFinite { what: String, epoch_utc: String },
     #[error("{what} coincides with the observer at {epoch_utc}")]
     Coincident { what: String, epoch_utc: String },
     #[error("{} cannot be written", path.display())]

@@ -80,9 +80,10 @@ impl Kernel {
     /// The kernel as lines of text: format, SHA-256, then a line for each segment and list of constants.
     pub fn describe(&self) -> Vec<String> {
         let mut lines = vec![format!("{}: {:?}, sha256 {}", self.path.display(), self.format, self.sha256)];
+        let widest = self.segments.iter().map(|segment| segment.subject().len()).max().unwrap_or(0);
         lines.extend(self.segments.iter().map(|segment| {
-            let [start, end] = segment.span_utc();
-            format!("  {:<44} {start} to {end}  type {}  `{}`", segment.subject(), segment.data_type, segment.name)
+            let ([start, end], subject) = (segment.span_utc(), segment.subject());
+            format!("  {subject:<widest$}  {start} to {end}  type {}  `{}`", segment.data_type, segment.name)
         }));
         let list = |ids: &[i32], name: fn(i32) -> String| ids.iter().map(|id| name(*id)).collect::<Vec<_>>().join(", ");
         if !self.constants_of.is_empty() {

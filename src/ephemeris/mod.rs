@@ -13,6 +13,7 @@ mod default_kernels;
 mod epoch;
 mod error;
 mod kernel;
+mod load;
 mod manifest;
 mod names;
 mod sun;

@@ -103,7 +103,6 @@ pub fn frame_name(id: i32) -> String {
     match id {
         1 => "ICRF".to_owned(),
         17 => "ECLIPJ2000".to_owned(),
-        3000 => "ITRF93".to_owned(),
         _ => match BODIES.iter().find(|(_, known)| *known == id) {
             Some((name, _)) => format!("IAU_{}", name.to_uppercase()),
             None => id.to_string(),
@@ -120,14 +119,13 @@ pub(super) fn frame_ids(name: &str) -> Result<Vec<i32>, EphemerisError> {
     let lunar = || LUNAR_FRAMES.iter();
     let ids: Vec<i32> = match upper.as_str() {
         "MOON_ME" | "MOON_PA" => lunar().filter(|frame| frame.name.starts_with(&upper)).map(|frame| frame.id).collect(),
-        "ITRF93" => vec![3000],
         _ => match upper.strip_prefix("IAU_") {
             Some(body) => body_id(body).into_iter().collect(),
             None => lunar().filter(|frame| frame.name == upper).map(|frame| frame.id).collect(),
         },
     };
     if ids.is_empty() {
-        let allowed = lunar().map(|frame| frame.name).collect::<Vec<_>>().join(", ") + ", MOON_ME, MOON_PA, ITRF93";
+        let allowed = lunar().map(|frame| frame.name).collect::<Vec<_>>().join(", ") + ", MOON_ME, MOON_PA";
         return Err(EphemerisError::UnknownFrame { name: name.to_owned(), allowed });
     }
     Ok(ids)

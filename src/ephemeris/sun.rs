@@ -20,7 +20,9 @@
 //! No deflection of light (Earth: below 0.01″ farther than 1° from the Sun), no refraction (airless).
 //!
 //! # References
-//! Urban and Seidelmann (2013), Explanatory Supplement to the Astronomical Almanac, 3rd ed., §7.2.
+//! Urban and Seidelmann (2013), Explanatory Supplement to the Astronomical Almanac, 3rd ed., chapter 7.
+
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 use hifitime::{Epoch, Unit};
@@ -128,10 +130,9 @@ pub struct Horizontal {
 /// Azimuth in [0, 2π) and elevation of a direction at a point. At a pole the longitude given picks north.
 pub fn horizontal(body: &Body, point: Geodetic, direction: Direction<BodyFixed>) -> Horizontal {
     let local = (body.local_from_body(point) * direction).unit();
-    Horizontal {
-        azimuth_rad: local.x.atan2(local.y).rem_euclid(std::f64::consts::TAU),
-        elevation_rad: local.z.atan2(local.x.hypot(local.y)),
-    }
+    // A tiny negative azimuth rounds up to a whole turn.
+    let azimuth_rad = local.x.atan2(local.y).rem_euclid(TAU) % TAU;
+    Horizontal { azimuth_rad, elevation_rad: local.z.atan2(local.x.hypot(local.y)) }
 }
 
 #[cfg(test)]
@@ -158,6 +159,7 @@ mod tests {
         let towards = |vector| horizontal(&body, point, Direction::new(vector).unwrap());
         // At (0, 0) north is +z, east is +y, up is +x.
         assert!(towards(DVec3::Z).azimuth_rad.abs() < 1e-15);
+        assert_eq!(towards(DVec3::new(0.0, -1e-20, 1.0)).azimuth_rad, 0.0);
         assert!((towards(DVec3::Y).azimuth_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert!((towards(-DVec3::Y).azimuth_rad - 1.5 * std::f64::consts::PI).abs() < 1e-15);
         assert!((towards(DVec3::X).elevation_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-15);

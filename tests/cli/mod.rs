@@ -1,4 +1,6 @@
 //! What the program says and writes.
 
 mod bad_input;
+mod ephemeris;
 mod scenario;
+mod terrain;

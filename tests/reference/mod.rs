@@ -1,6 +1,8 @@
 //! Against others: closed forms, other programs, published values.
 
+mod default_kernels;
 mod ephemeris;
 mod horizon;
 mod photometry;
 mod raster;
+mod trajectory;

