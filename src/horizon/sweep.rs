@@ -7,6 +7,7 @@ pub mod line;
 pub mod near;
 pub mod profile;
 pub mod ray;
+pub mod wide;
 
 use glam::{DVec2, DVec3};
 
@@ -19,32 +20,7 @@ use grid::{Grid, LANES, Major};
 use line::Placed;
 use near::Stencil;
 use ray::Ray;
-
-/// Runs a call with the widest registers the machine has. The operations are the same whatever their width, and none is
-/// fused: the same bytes everywhere.
-macro_rules! wide {
-    ($call:expr, $name:ident) => {{
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx512f")]
-        fn with_avx512<R>(call: impl FnOnce() -> R) -> R { call() }
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx2")]
-        fn with_avx2<R>(call: impl FnOnce() -> R) -> R { call() }
-        #[cfg(target_arch = "x86_64")]
-        {
-            // SAFETY: the processor has the instructions.
-            if std::env::var("SSE").is_err() {
-            if is_x86_feature_detected!("avx512f") && std::env::var("AVX2").is_err() {
-                return unsafe { with_avx512(#[inline(always)] || $call) };
-            }
-            if is_x86_feature_detected!("avx2") {
-                return unsafe { with_avx2(#[inline(always)] || $call) };
-            }
-            }
-        }
-        $call
-    }};
-}
+use wide::wide;
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 32;
@@ -158,7 +134,7 @@ impl<'a> Sweep<'a> {
 
     fn near(&self, ray: &Ray, plane: &mut [f32]) {
         let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
-        wide!(self.near_plain(&stencil, plane), NearWide);
+        wide(|| self.near_plain(&stencil, plane));
     }
     #[inline(always)]
     fn near_plain(&self, stencil: &Stencil, plane: &mut [f32]) {
@@ -180,7 +156,7 @@ impl<'a> Sweep<'a> {
 
     /// From slopes to elevations.
     fn finish(&self, ray: &Ray, plane: &mut [f32]) {
-        wide!(self.finish_plain(ray, plane), FinishWide);
+        wide(|| self.finish_plain(ray, plane));
     }
 
     #[inline(always)]

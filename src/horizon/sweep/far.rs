@@ -10,7 +10,7 @@
 
 use super::Receivers;
 use super::grid::Grid;
-use super::hull::Hull;
+use super::hull::{Hull, Touch};
 use super::line::{Line, Placed};
 use super::near::larger;
 use super::profile::Profile;
@@ -129,10 +129,11 @@ impl<'a> Far<'a> {
                 let k = lane + i * LINES;
                 let below = hulls[k].tangent(x, observer_m);
                 let above = hulls[k + 1].tangent(x, observer_m);
-                if larger(below.0, above.0) <= *slope {
+                let hidden = |touch: Touch| touch.rise_m <= *slope * touch.run_m;
+                if hidden(below) & hidden(above) {
                     continue;
                 }
-                let far = self.between(profile, u, v + r.margin, observer_m, x, [below, above], weight);
+                let far = self.between(profile, u, v + r.margin, observer_m, [below, above], weight);
                 if !(far <= *slope) {
                     *slope = far;
                 }
@@ -140,17 +141,17 @@ impl<'a> Far<'a> {
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn between(&self, profile: &Profile, u: isize, v: usize, observer_m: f32, x: f32, tangents: [(f32, f32); 2], weight: f32) -> f32 {
-        let [(below, below_x), (above, above_x)] = tangents;
-        if (below_x - x).max(above_x - x) > self.search_x {
+    /// The slope seen between two lines from their tangents.
+    fn between(&self, profile: &Profile, u: isize, v: usize, observer_m: f32, touches: [Touch; 2], weight: f32) -> f32 {
+        if larger(touches[0].run_m, touches[1].run_m) > self.search_x {
             return f32::NAN;
         }
+        let [below, above] = touches.map(|touch| touch.rise_m / touch.run_m);
         let between = weight * below + (1.0 - weight) * above;
         if (below - above).abs() <= self.tolerance {
             return between;
         }
-        let steps = [below_x, above_x].map(|at| ((at - x) * self.inverse_posting + 0.5) as usize);
+        let steps = touches.map(|touch| (touch.run_m * self.inverse_posting + 0.5) as usize);
         let slope = profile.slope(self.fine(), u, v, observer_m, steps);
         slope.map_or(between, |slope| slope * self.inverse_posting)
     }
@@ -210,8 +211,8 @@ impl Beyond {
         let low = line.floor();
         let share = (line - low) as f32;
         let mut of = |i: usize| {
-            let (slope, at) = self.hulls[i].tangent_beyond(x_m as f32, height_m);
-            if at - x_m as f32 > self.search_x { f32::NAN } else { slope }
+            let touch = self.hulls[i].tangent_beyond(x_m as f32, height_m);
+            if touch.run_m > self.search_x { f32::NAN } else { touch.rise_m / touch.run_m }
         };
         let (a, b) = (of(low as usize), of(low as usize + 1));
         (1.0 - share) * a + share * b

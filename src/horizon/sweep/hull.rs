@@ -20,6 +20,13 @@ pub struct Vertex {
     slope: f32,
 }
 
+/// The point of a hull that a receiver sees as its skyline, from the receiver.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch {
+    pub rise_m: f32,
+    pub run_m: f32,
+}
+
 /// The hull of one line.
 #[derive(Debug, Default)]
 pub struct Hull {
@@ -52,25 +59,25 @@ impl Hull {
         self.stack.push(Vertex { x, height_m, slope });
     }
 
-    /// Slope of the tangent from a receiver nearer than all points, and the distance coordinate of the point
-    /// it touches; a slope of [`NEVER_M`] at the receiver where the hull has no points.
+    /// Where the tangent from a receiver nearer than all points touches; a rise of [`NEVER_M`] where the hull
+    /// has no points.
     #[inline(always)]
-    pub fn tangent(&mut self, x: f32, height_m: f32) -> (f32, f32) {
+    pub fn tangent(&mut self, x: f32, height_m: f32) -> Touch {
         self.tangent_of(self.stack.len(), x, height_m)
     }
 
     /// [`Self::tangent`] for a receiver that some of the nearest points may lie behind: those do not count.
-    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> (f32, f32) {
+    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> Touch {
         let ahead = self.stack.partition_point(|vertex| vertex.x > x);
         self.tangent_of(ahead, x, height_m)
     }
 
     /// The tangent to the farthest `length` vertices, searched from where the last one touched.
     #[inline(always)]
-    fn tangent_of(&mut self, length: usize, x: f32, height_m: f32) -> (f32, f32) {
+    fn tangent_of(&mut self, length: usize, x: f32, height_m: f32) -> Touch {
         let stack = &self.stack[..length];
         if stack.is_empty() {
-            return (NEVER_M, x);
+            return Touch { rise_m: NEVER_M, run_m: 1.0 };
         }
         let mut touched = self.touched.min(stack.len() - 1);
         let mut vertex = stack[touched];
@@ -91,6 +98,6 @@ impl Hull {
             }
         }
         self.touched = touched;
-        ((vertex.height_m - height_m) / (vertex.x - x), vertex.x)
+        Touch { rise_m: vertex.height_m - height_m, run_m: vertex.x - x }
     }
 }

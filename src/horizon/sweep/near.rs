@@ -97,19 +97,16 @@ pub fn slopes(
     at: usize,
     observers_m: &[f32; LANES],
 ) -> [f32; LANES] {
-    let lanes = |array: &[f32], offset: isize| -> [f32; LANES] {
-        let start = at.wrapping_add_signed(offset);
-        array[start..start + LANES].try_into().expect("a slice of LANES")
-    };
     let mut best = [NEVER_M; LANES];
-    let mut before: [f32; LANES] = lanes(heights_m, 0);
+    let mut before = *lanes(heights_m, at, 0);
     for i in 0..LANES {
         // A gap's own height is filled.
         before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
     }
     for (order, crossing) in stencil.crossings.iter().enumerate() {
-        let [a, b] = crossing.nodes.map(|node| lanes(heights_m, node));
-        let twist = lanes(twists_m, crossing.cell);
+        let a = lanes(heights_m, at, crossing.nodes[0]);
+        let b = lanes(heights_m, at, crossing.nodes[1]);
+        let twist = lanes(twists_m, at, crossing.cell);
         let [share_a, share_b] = crossing.shares;
         let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
@@ -126,6 +123,12 @@ pub fn slopes(
         }
     }
     best
+}
+
+#[inline(always)]
+fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
+    let start = at.wrapping_add_signed(offset);
+    array[start..start + LANES].first_chunk().expect("a slice of LANES")
 }
 
 /// The larger of two numbers, the first where one of them is NaN; one instruction.

@@ -17,6 +17,8 @@ struct Step {
     inverse: f32,
     /// Where a minor grid line is crossed on the way: offset, share of the node at the far end, and distance in steps.
     column: Option<(isize, f32, f32)>,
+    /// Offsets of the cells passed on the way: before and after that crossing.
+    cells: [isize; 2],
 }
 
 /// Crossings of every step along one azimuth.
@@ -25,6 +27,8 @@ pub struct Profile {
     steps: Vec<Step>,
     sign: isize,
     minor: f64,
+    /// `c₂` of a cell with a twist of 1.
+    bend: f32,
 }
 
 impl Profile {
@@ -40,14 +44,21 @@ impl Profile {
                 let part = (column - before) / ray.minor;
                 (stride * (n - 1) + column as isize, part as f32, ((n - 1) as f64 + part) as f32)
             });
+            let cell = |at: f64| {
+                let along = if ray.sign > 0 { n - 1 } else { -n };
+                grid.stride as isize * along + (ray.minor * at).floor() as isize
+            };
+            let middle = on_the_way.map_or(n as f64 - 0.5, |(_, part, _)| n as f64 - 1.0 + 0.5 * f64::from(part));
+            let after = on_the_way.map_or(middle, |(_, part, _)| n as f64 - 0.5 + 0.5 * f64::from(part));
             Step {
+                cells: [cell(middle), cell(after)],
                 node: stride * n + low as isize,
                 share: (v - low).max(0.0) as f32,
                 inverse: (1.0 / n as f64) as f32,
                 column: on_the_way,
             }
         });
-        Self { steps: steps.collect(), sign: ray.sign, minor: ray.minor }
+        Self { steps: steps.collect(), sign: ray.sign, minor: ray.minor, bend: (ray.sign as f64 * ray.minor) as f32 }
     }
 
     /// Steps from node (u, v) to the end of the grid.
@@ -123,31 +134,25 @@ impl View<'_> {
 
     /// The steepest slope inside the step that ends at `n`.
     fn inside(&self, n: usize) -> f32 {
-        let stride = self.grid.stride as isize * self.profile.sign;
+        let step = &self.profile.steps[n];
         let (before, after) = ((n - 1) as f32, n as f32);
         let ends = [self.rise_m(n - 1), self.rise_m(n)];
-        let Some((node, share, at)) = self.profile.steps[n].column else {
-            return self.peak(before, ends[0], after, ends[1]);
+        let Some((node, share, at)) = step.column else {
+            return self.peak(step.cells[0], [before, after], ends);
         };
+        let stride = self.grid.stride as isize * self.profile.sign;
         let middle_m = self.mix(node, node + stride, share);
-        let slope = middle_m / at;
-        let peaks = larger(self.peak(before, ends[0], at, middle_m), self.peak(at, middle_m, after, ends[1]));
-        larger(slope, peaks)
+        let entering = self.peak(step.cells[0], [before, at], [ends[0], middle_m]);
+        larger(entering, self.peak(step.cells[1], [at, after], [middle_m, ends[1]]))
     }
 
-    /// The slope's maximum inside one cell between distances `a` and `b`, or a value it reaches there.
-    fn peak(&self, a: f32, rise_a: f32, b: f32, rise_b: f32) -> f32 {
-        let middle = 0.5 * f64::from(a + b);
-        let along = middle as isize;
-        let across = (self.profile.minor * middle).floor() as isize;
-        let along = if self.profile.sign > 0 { along } else { -along - 1 };
+    /// The steepest slope in a cell passed between two distances, its near end excluded.
+    fn peak(&self, cell: isize, [a, b]: [f32; 2], rises_m: [f32; 2]) -> f32 {
         let stride = self.grid.stride as isize;
-        let corner = (along * stride + across) as isize;
-        let node = |offset: isize| self.grid.heights_m[self.at.wrapping_add_signed(corner + offset)];
-        let twist_m = node(0) - node(stride) - node(1) + node(stride + 1);
-        let c2 = twist_m * (self.profile.sign as f64 * self.profile.minor) as f32;
-        let c1 = (rise_b - rise_a) / (b - a) - c2 * (a + b);
-        let c0 = rise_a - c1 * a - c2 * a * a;
-        if c0 < c2 * a * a && c0 > c2 * b * b { c1 - 2.0 * (c0 * c2).sqrt() } else { rise_b / b }
+        let node = |offset: isize| self.grid.heights_m[self.at.wrapping_add_signed(cell + offset)];
+        let c2 = (node(0) - node(stride) - node(1) + node(stride + 1)) * self.profile.bend;
+        let c1 = (rises_m[1] - rises_m[0]) / (b - a) - c2 * (a + b);
+        let c0 = rises_m[0] - c1 * a - c2 * a * a;
+        if c0 < c2 * a * a && c0 > c2 * b * b { c1 - 2.0 * (c0 * c2).sqrt() } else { rises_m[1] / b }
     }
 }
