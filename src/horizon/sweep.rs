@@ -5,7 +5,9 @@ pub mod grid;
 pub mod hull;
 pub mod line;
 pub mod near;
+pub mod profile;
 pub mod ray;
+pub mod wide;
 
 use glam::{DVec2, DVec3};
 
@@ -18,6 +20,7 @@ use grid::{Grid, LANES, Major};
 use line::Placed;
 use near::Stencil;
 use ray::Ray;
+use wide::wide;
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 32;
@@ -100,9 +103,10 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
-        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR, search_x: (ray.search_steps * fine.posting_m) as f32, inverse_posting: (1.0 / fine.posting_m) as f32, tolerance: std::env::var("REFINE").map_or(1e-3, |n| n.parse().unwrap()) };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
-        far.sweep(&mut plane);
+        self.near(&ray, &mut plane);
+        far.raise(&mut plane);
         self.add_beyond(&far, &mut plane);
         self.finish(&ray, &mut plane);
         self.retrace(direction, &mut plane);
@@ -128,46 +132,14 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// From far slopes to elevations, the near field included.
-    fn finish(&self, ray: &Ray, plane: &mut [f32]) {
+    fn near(&self, ray: &Ray, plane: &mut [f32]) {
         let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f") {
-                // SAFETY: the processor has the instructions.
-                return unsafe { self.finish_avx512(ray, &stencil, plane) };
-            }
-            if is_x86_feature_detected!("avx2") {
-                // SAFETY: the processor has the instructions.
-                return unsafe { self.finish_avx2(ray, &stencil, plane) };
-            }
-        }
-        self.finish_plain(ray, &stencil, plane);
+        wide(|| self.near_plain(&stencil, plane));
     }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f")]
-    unsafe fn finish_avx512(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
-        self.finish_plain(ray, stencil, plane);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    unsafe fn finish_avx2(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
-        self.finish_plain(ray, stencil, plane);
-    }
-
-    /// The same operations whatever the width of the machine's registers, and no fused ones: the same bytes.
     #[inline(always)]
-    fn finish_plain(&self, ray: &Ray, stencil: &Stencil, plane: &mut [f32]) {
+    fn near_plain(&self, stencil: &Stencil, plane: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        let radius_m = self.face.map.radius_m;
-        let near_scale = (1.0 / (fine.posting_m * ray.length)) as f32;
-        let far_scale = (1.0 / ray.length) as f32;
-        let (height_scale, datum) = ((1.0 / radius_m) as f32, (self.datum_m / radius_m) as f32);
-        let coarsest = self.grids.last().expect("a face has levels");
-        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
-        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
+        let scale = (1.0 / fine.posting_m) as f32;
         for start in (0..r.stride).step_by(LANES) {
             for u in 0..r.majors {
                 let i = u * r.stride + start;
@@ -175,11 +147,35 @@ impl<'a> Sweep<'a> {
                 let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
                 let at = fine.at(u + r.margin, start + r.margin);
                 let near = near::slopes(&fine.heights_m, &self.twists_m, stencil, at, observers_m);
+                for i in 0..LANES {
+                    slopes[i] = near[i] * scale;
+                }
+            }
+        }
+    }
+
+    /// From slopes to elevations.
+    fn finish(&self, ray: &Ray, plane: &mut [f32]) {
+        wide(|| self.finish_plain(ray, plane));
+    }
+
+    #[inline(always)]
+    fn finish_plain(&self, ray: &Ray, plane: &mut [f32]) {
+        let (fine, r) = (&self.grids[0], &self.receivers);
+        let radius_m = self.face.map.radius_m;
+        let scale = (1.0 / ray.length) as f32;
+        let (height_scale, datum) = ((1.0 / radius_m) as f32, (self.datum_m / radius_m) as f32);
+        let coarsest = self.grids.last().expect("a face has levels");
+        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
+        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
+        for u in 0..r.majors {
+            for start in (0..r.stride).step_by(LANES) {
+                let i = u * r.stride + start;
+                let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
+                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
                 let mut heights = [0.0; LANES];
                 for i in 0..LANES {
-                    let far = slopes[i] * far_scale;
-                    let near = near[i] * near_scale;
-                    slopes[i] = if near > far { near } else { far };
+                    slopes[i] *= scale;
                     heights[i] = observers_m[i] * height_scale + datum;
                 }
                 let place = Place {

@@ -32,7 +32,10 @@ pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANE
             tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
         }
     }
-    std::array::from_fn(|i| atan(tangents[i]))
+    for tangent in &mut tangents {
+        *tangent = atan(*tangent);
+    }
+    tangents
 }
 
 #[inline(always)]

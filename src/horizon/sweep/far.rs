@@ -8,16 +8,19 @@
 //! lies farther away changes little between fine lines: coarser lines carry it, half a coarse posting apart,
 //! whose hulls are made once per azimuth ([`Beyond`]).
 
-use super::grid::{Grid, NEVER_M};
-use super::hull::Hull;
-use super::line::{Line, Placed};
-use super::ray::Ray;
 use super::Receivers;
+use super::grid::Grid;
+use super::hull::{Hull, Touch};
+use super::line::{Line, Placed};
+use super::near::larger;
+use super::profile::Profile;
+use super::ray::Ray;
 
-/// Lines worked on side by side.
-const BLOCK: usize = 16;
 /// Lines per posting.
-const LINES: f64 = 2.0;
+const LINES: usize = 2;
+/// Receivers of a row worked on side by side, between lines that are.
+const BLOCK: usize = 16;
+const BLOCK_LINES: usize = LINES * BLOCK + 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 const RING: f64 = 32.0;
 
@@ -30,6 +33,10 @@ pub struct Far<'a> {
     pub levels: Vec<Placed<'a>>,
     /// Major steps that the near field covers.
     pub near: usize,
+    pub search_x: f32,
+    pub inverse_posting: f32,
+    /// Difference of the slopes of neighbouring lines above which the receiver's own line is consulted.
+    pub tolerance: f32,
 }
 
 impl<'a> Far<'a> {
@@ -65,38 +72,36 @@ impl<'a> Far<'a> {
         range
     }
 
-    /// Adds the far slopes, in metres per metre along the major axis, to `slopes` of zeros. NaN where the
-    /// tangent touches beyond the search distance.
-    pub fn sweep(&self, slopes: &mut [f32]) {
+    /// Raises near slopes, in metres per metre along the major axis, to the far ones. NaN where the tangent
+    /// touches beyond the search distance.
+    pub fn raise(&self, slopes: &mut [f32]) {
         let (low, high) = self.intercepts();
-        let (first, last) = ((low * LINES).floor() as isize, (high * LINES).ceil() as isize);
-        let mut hulls: [Hull; BLOCK] = std::array::from_fn(|_| Hull::default());
-        for start in (first..=last).step_by(BLOCK) {
-            self.block(start, &mut hulls, slopes);
+        let (first, last) = ((low * LINES as f64).floor() as isize, (high * LINES as f64).ceil() as isize);
+        let profile = Profile::new(self.fine(), self.ray);
+        let mut hulls: [Hull; BLOCK_LINES] = std::array::from_fn(|_| Hull::default());
+        for start in (first..=last).step_by(BLOCK * LINES) {
+            self.block(start, &profile, &mut hulls, slopes);
         }
     }
 
-    fn block(&self, start: isize, hulls: &mut [Hull; BLOCK], slopes: &mut [f32]) {
-        let fine = self.fine();
-        let r = self.receivers;
-        let slope = self.ray.sign as f64 * self.ray.minor;
+    /// The receivers between one block of lines.
+    fn block(&self, start: isize, profile: &Profile, hulls: &mut [Hull; BLOCK_LINES], slopes: &mut [f32]) {
+        let (fine, r) = (self.fine(), self.receivers);
+        let turn = self.ray.sign as f64 * self.ray.minor;
         for (k, hull) in hulls.iter_mut().enumerate() {
             hull.clear();
-            let intercept_m = (start + k as isize) as f64 / LINES * fine.posting_m;
+            let intercept_m = (start + k as isize) as f64 / LINES as f64 * fine.posting_m;
             self.carry_on(0, Line { intercept_m, minor: self.ray.minor }, 0.5 * fine.posting_m, hull);
         }
-        let offset = |u: isize| start as f64 / LINES + slope * (u - self.pivot()) as f64;
-        let width = (BLOCK - 1) as f64 / LINES;
+        let first_line = |u: isize| start as f64 / LINES as f64 + turn * (u - self.pivot()) as f64;
         let ahead = self.near as isize + 1;
-        let search_x = (self.ray.search_steps * fine.posting_m) as f32;
         for along in (0..fine.majors as isize).rev() {
-            // The point beyond the near field of this row's receivers.
             let pushed = along + ahead;
             if pushed < fine.majors as isize {
                 let u = self.major(pushed);
-                let v = offset(u);
-                if v + width > -0.5 && v < fine.minors as f64 - 0.5 {
-                    let heights_m = sample(fine, u, v);
+                let (low, share) = split(first_line(u));
+                if low >= -(BLOCK as isize) - 1 && low < fine.minors as isize {
+                    let heights_m = sample(fine, u, low, share);
                     let x = self.x_m(u) as f32;
                     for (hull, height_m) in hulls.iter_mut().zip(heights_m) {
                         hull.push(x, height_m);
@@ -105,28 +110,50 @@ impl<'a> Far<'a> {
             }
             let u = self.major(along);
             let Some(row) = r.row(u) else { continue };
-            let v = offset(u) - r.margin as f64;
-            if v + width < -0.5 || v > r.minors as f64 - 0.5 {
+            let (low, share) = split(first_line(u));
+            // The first receiver lies above the first line, the others a posting apart.
+            let first = low + 1 - r.margin as isize;
+            let from = (-first).clamp(0, BLOCK as isize) as usize;
+            let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
+            if from >= to {
                 continue;
             }
+            let lane = ((1.0 - share) * LINES as f64).ceil() as usize - 1;
+            let weight = (1.0 - ((1.0 - share) * LINES as f64 - lane as f64)) as f32;
             let x = self.x_m(u) as f32;
-            let observers_m = r.observers_of(row);
-            let slopes = &mut slopes[row * r.stride..(row + 1) * r.stride];
-            for (k, hull) in hulls.iter_mut().enumerate() {
-                let v = v + k as f64 / LINES;
-                let nearest = (v + 0.5).floor();
-                if nearest < 0.0 || nearest >= r.minors as f64 {
+            let start = row * r.stride;
+            for i in from..to {
+                let v = (first + i as isize) as usize;
+                let slope = &mut slopes[start + v];
+                let observer_m = r.observers_m[start + v];
+                let k = lane + i * LINES;
+                let below = hulls[k].tangent(x, observer_m);
+                let above = hulls[k + 1].tangent(x, observer_m);
+                let hidden = |touch: Touch| touch.rise_m <= *slope * touch.run_m;
+                if hidden(below) & hidden(above) {
                     continue;
                 }
-                let share = (1.0 - LINES * (v - nearest).abs()) as f32;
-                let nearest = nearest as usize;
-                slopes[nearest] += match hull.tangent(x, observers_m[nearest]) {
-                    Some((_, at)) if at - x > search_x => f32::NAN,
-                    Some((slope, _)) => share * slope,
-                    None => share * NEVER_M,
-                };
+                let far = self.between(profile, u, v + r.margin, observer_m, [below, above], weight);
+                if !(far <= *slope) {
+                    *slope = far;
+                }
             }
         }
+    }
+
+    /// The slope seen between two lines from their tangents.
+    fn between(&self, profile: &Profile, u: isize, v: usize, observer_m: f32, touches: [Touch; 2], weight: f32) -> f32 {
+        if larger(touches[0].run_m, touches[1].run_m) > self.search_x {
+            return f32::NAN;
+        }
+        let [below, above] = touches.map(|touch| touch.rise_m / touch.run_m);
+        let between = weight * below + (1.0 - weight) * above;
+        if (below - above).abs() <= self.tolerance {
+            return between;
+        }
+        let steps = touches.map(|touch| (touch.run_m * self.inverse_posting + 0.5) as usize);
+        let slope = profile.slope(self.fine(), u, v, observer_m, steps);
+        slope.map_or(between, |slope| slope * self.inverse_posting)
     }
 
     /// Pushes the first [`RING`] nodes of the level after `level` along a line that leaves `level`.
@@ -157,7 +184,7 @@ pub struct Beyond {
 impl Beyond {
     fn new(far: &Far, level: usize) -> Self {
         let (placed, finer) = (&far.levels[level], &far.levels[level - 1]);
-        let spacing_m = placed.grid.posting_m / LINES;
+        let spacing_m = placed.grid.posting_m / LINES as f64;
         let (low, high) = far.intercepts();
         let fine_m = far.fine().posting_m;
         let first_m = low * fine_m - spacing_m;
@@ -175,8 +202,7 @@ impl Beyond {
             hull
         });
         let hulls = hulls.collect();
-        let search_x = (far.ray.search_steps * fine_m) as f32;
-        Self { first_m, spacing_m, minor: far.ray.minor, search_x, hulls }
+        Self { first_m, spacing_m, minor: far.ray.minor, search_x: far.search_x, hulls }
     }
 
     /// Slope of the skyline from a receiver at `(x, y)`; NaN where it lies beyond the search distance.
@@ -184,30 +210,35 @@ impl Beyond {
         let line = (y_m - self.minor * x_m - self.first_m) / self.spacing_m;
         let low = line.floor();
         let share = (line - low) as f32;
-        let mut of = |i: usize| match self.hulls[i].tangent_beyond(x_m as f32, height_m) {
-            Some((_, at)) if at - x_m as f32 > self.search_x => f32::NAN,
-            Some((slope, _)) => slope,
-            None => NEVER_M,
+        let mut of = |i: usize| {
+            let touch = self.hulls[i].tangent_beyond(x_m as f32, height_m);
+            if touch.run_m > self.search_x { f32::NAN } else { touch.rise_m / touch.run_m }
         };
         let (a, b) = (of(low as usize), of(low as usize + 1));
         (1.0 - share) * a + share * b
     }
 }
 
-/// Heights of a block of lines where they cross row `u`, the first at minor coordinate `v`. Within half a
-/// posting of the grid's sides the side's own height serves.
-fn sample(grid: &Grid, u: isize, v: f64) -> [f32; BLOCK] {
-    let row = grid.row(u);
-    let last = (grid.minors - 1) as f64;
-    std::array::from_fn(|k| {
-        let v = v + k as f64 / LINES;
-        if v < -0.5 || v > last + 0.5 {
-            return NEVER_M;
+/// Whole part and the rest.
+fn split(v: f64) -> (isize, f64) {
+    let low = v as isize - isize::from(v < 0.0);
+    (low, v - low as f64)
+}
+
+/// Heights of a block of lines where they cross row `u`, the first at minor coordinate `low + share`.
+#[inline(always)]
+fn sample(grid: &Grid, u: isize, low: isize, share: f64) -> [f32; BLOCK_LINES] {
+    let start = (low + grid.pad() as isize) as usize;
+    let nodes: &[f32; BLOCK + 2] = grid.row(u)[start..start + BLOCK + 2].try_into().expect("BLOCK + 2");
+    let mut heights_m = [0.0; BLOCK_LINES];
+    for part in 0..LINES {
+        let (step, share) = split(share + part as f64 / LINES as f64);
+        let (step, share) = (step as usize, share as f32);
+        for i in 0..BLOCK {
+            heights_m[part + i * LINES] = (1.0 - share) * nodes[i + step] + share * nodes[i + step + 1];
         }
-        let v = v.clamp(0.0, last);
-        let low = v as usize;
-        let share = (v - low as f64) as f32;
-        let at = low + grid.pad();
-        (1.0 - share) * row[at] + share * row[at + 1]
-    })
+    }
+    let share = share as f32;
+    heights_m[BLOCK_LINES - 1] = (1.0 - share) * nodes[BLOCK] + share * nodes[BLOCK + 1];
+    heights_m
 }

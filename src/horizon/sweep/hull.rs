@@ -7,6 +7,8 @@
 //! # References
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), doi:10.1111/j.1467-8659.2009.01640.x.
 
+use super::grid::NEVER_M;
+
 /// A vertex of the upper hull. Farther vertices lie below it in the stack.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(16))]
@@ -16,6 +18,13 @@ pub struct Vertex {
     height_m: f32,
     /// Slope to the next farther vertex; −∞ at the farthest.
     slope: f32,
+}
+
+/// The point of a hull that a receiver sees as its skyline, from the receiver.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch {
+    pub rise_m: f32,
+    pub run_m: f32,
 }
 
 /// The hull of one line.
@@ -50,45 +59,45 @@ impl Hull {
         self.stack.push(Vertex { x, height_m, slope });
     }
 
-    /// Slope of the tangent from a receiver nearer than all points, and the distance coordinate of the point
-    /// it touches; `None` for a hull without points.
+    /// Where the tangent from a receiver nearer than all points touches; a rise of [`NEVER_M`] where the hull
+    /// has no points.
     #[inline(always)]
-    pub fn tangent(&mut self, x: f32, height_m: f32) -> Option<(f32, f32)> {
-        let touched = self.touched.min(self.stack.len().wrapping_sub(1));
-        let (slope, at, touched) = tangent(&self.stack, touched, x, height_m)?;
-        self.touched = touched;
-        Some((slope, at))
+    pub fn tangent(&mut self, x: f32, height_m: f32) -> Touch {
+        self.tangent_of(self.stack.len(), x, height_m)
     }
 
     /// [`Self::tangent`] for a receiver that some of the nearest points may lie behind: those do not count.
-    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> Option<(f32, f32)> {
+    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> Touch {
         let ahead = self.stack.partition_point(|vertex| vertex.x > x);
-        let touched = self.touched.min(ahead.wrapping_sub(1));
-        let (slope, at, touched) = tangent(&self.stack[..ahead], touched, x, height_m)?;
-        self.touched = touched;
-        Some((slope, at))
+        self.tangent_of(ahead, x, height_m)
     }
-}
 
-/// The tangent to a hull from a receiver, searched from vertex `touched` on.
-#[inline(always)]
-fn tangent(stack: &[Vertex], mut touched: usize, x: f32, height_m: f32) -> Option<(f32, f32, usize)> {
-    let mut vertex = *stack.get(touched)?;
-    // Is the next vertex farther away above the line of sight to this one?
-    let below = |vertex: Vertex| vertex.height_m - height_m < vertex.slope * (vertex.x - x);
-    if below(vertex) {
-        while below(vertex) {
-            touched -= 1;
-            vertex = stack[touched];
+    /// The tangent to the farthest `length` vertices, searched from where the last one touched.
+    #[inline(always)]
+    fn tangent_of(&mut self, length: usize, x: f32, height_m: f32) -> Touch {
+        let stack = &self.stack[..length];
+        if stack.is_empty() {
+            return Touch { rise_m: NEVER_M, run_m: 1.0 };
         }
-    } else {
-        while let Some(nearer) = stack.get(touched + 1) {
-            if below(*nearer) {
-                break;
+        let mut touched = self.touched.min(stack.len() - 1);
+        let mut vertex = stack[touched];
+        // Is the next vertex farther away above the line of sight to this one?
+        let below = |vertex: Vertex| vertex.height_m - height_m < vertex.slope * (vertex.x - x);
+        if below(vertex) {
+            while below(vertex) {
+                touched -= 1;
+                vertex = stack[touched];
             }
-            touched += 1;
-            vertex = *nearer;
+        } else {
+            while let Some(nearer) = stack.get(touched + 1) {
+                if below(*nearer) {
+                    break;
+                }
+                touched += 1;
+                vertex = *nearer;
+            }
         }
+        self.touched = touched;
+        Touch { rise_m: vertex.height_m - height_m, run_m: vertex.x - x }
     }
-    Some(((vertex.height_m - height_m) / (vertex.x - x), vertex.x, touched))
 }

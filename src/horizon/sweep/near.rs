@@ -1,15 +1,15 @@
 //! The near field: every crossing of the first cells, for many receivers at once.
 //!
 //! All receivers of an azimuth share the offsets and weights of their crossings, so that one crossing is a
-//! few operations on contiguous heights. Between two crossings the surface is a parabola whose height in the
-//! middle follows from the cell's twist `κ`:
+//! few operations on contiguous heights. Between two crossings the surface is a parabola that follows from
+//! its ends and the cell's twist `κ`: with `t` in major steps and `m` the minor step,
 //!
 //! ```text
-//! H(½(t₁ + t₂)) = ½(H₁ + H₂) − κ Δu Δv/4
+//! H(t) − H₀ = c₀ + c₁t + c₂t²      c₂ = κm   c₁ = (H₂ − H₁)/(t₂ − t₁) − c₂(t₁ + t₂)   c₀ = H₁ − H₀ − c₁t₁ − c₂t₁²
 //! ```
 //!
-//! Ends and middle stand for the parabola; what lies between them is missed by at most 1/16 of `κ`.
-//! In the receiver's own cell the slope is linear in distance and its limit at 0 is the facet's.
+//! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
+//! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
@@ -20,21 +20,26 @@ struct Crossing {
     /// Offsets of the two nodes beside it, and their shares.
     nodes: [isize; 2],
     shares: [f32; 2],
-    /// One over the distance in major steps, here and in the middle of the cell before.
+    /// One over the distance in major steps.
     inverse: f32,
-    inverse_middle: f32,
-    /// Offset of the cell's twist, and `Δu Δv/4`.
+    /// Offset of the twist of the cell before.
     cell: isize,
-    bend: f32,
+    /// Distance at which that cell is entered, its square, that of leaving it squared, their sum, and one over their difference.
+    enter: f32,
+    enter_squared: f32,
+    leave_squared: f32,
+    sum: f32,
+    inverse_run: f32,
 }
 
 /// All crossings of one azimuth up to a reach.
 #[derive(Debug)]
 pub struct Stencil {
     crossings: Vec<Crossing>,
-    /// `Δu Δv` per square major step times the distance of the first crossing: the fall of the slope over the
-    /// receiver's own cell. `None` for a raised observer, who does not stand on his facet.
-    facet: Option<f32>,
+    /// `c₂` of a cell with a twist of 1.
+    bend: f32,
+    /// A raised observer does not stand on his facet.
+    on_ground: bool,
 }
 
 impl Stencil {
@@ -48,11 +53,9 @@ impl Stencil {
         steps.dedup_by(|a, b| *a - *b < 1e-6);
         let limit = ray.search_steps;
         steps.retain(|step| *step <= limit);
-        let twist = ray.sign as f64 * ray.minor;
-        let facet = on_ground.then(|| (twist * steps.first().copied().unwrap_or(0.0)) as f32);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        Self { crossings, facet }
+        Self { crossings, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -75,9 +78,12 @@ impl Crossing {
             nodes,
             shares: [1.0 - share, share],
             inverse: (1.0 / to) as f32,
-            inverse_middle: (1.0 / middle) as f32,
             cell,
-            bend: (0.25 * (to - from).powi(2) * ray.sign as f64 * ray.minor) as f32,
+            enter: from as f32,
+            enter_squared: (from * from) as f32,
+            leave_squared: (to * to) as f32,
+            sum: (from + to) as f32,
+            inverse_run: (1.0 / (to - from)) as f32,
         }
     }
 }
@@ -91,38 +97,38 @@ pub fn slopes(
     at: usize,
     observers_m: &[f32; LANES],
 ) -> [f32; LANES] {
-    let lanes = |array: &[f32], offset: isize| -> [f32; LANES] {
-        let start = at.wrapping_add_signed(offset);
-        array[start..start + LANES].try_into().expect("a slice of LANES")
-    };
     let mut best = [NEVER_M; LANES];
-    let mut before = lanes(heights_m, 0);
-    let mut facet = stencil.facet;
-    for crossing in &stencil.crossings {
-        let [a, b] = crossing.nodes.map(|node| lanes(heights_m, node));
-        let twist = lanes(twists_m, crossing.cell);
+    let mut before = *lanes(heights_m, at, 0);
+    for i in 0..LANES {
+        // A gap's own height is filled.
+        before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
+    }
+    for (order, crossing) in stencil.crossings.iter().enumerate() {
+        let a = lanes(heights_m, at, crossing.nodes[0]);
+        let b = lanes(heights_m, at, crossing.nodes[1]);
+        let twist = lanes(twists_m, at, crossing.cell);
         let [share_a, share_b] = crossing.shares;
+        let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
-            let here = share_a * a[i] + share_b * b[i];
-            let middle = 0.5 * (here + before[i]) - crossing.bend * twist[i];
-            let slope = (here - observers_m[i]) * crossing.inverse;
-            let inner = (middle - observers_m[i]) * crossing.inverse_middle;
-            best[i] = larger(best[i], larger(slope, inner));
+            let here = share_a * a[i] + share_b * b[i] - observers_m[i];
+            let c2 = stencil.bend * twist[i];
+            let c1 = (here - before[i]) * crossing.inverse_run - c2 * crossing.sum;
+            let c0 = before[i] - c1 * crossing.enter - c2 * crossing.enter_squared;
+            let peaks = (c0 < c2 * crossing.enter_squared) & (c0 > c2 * crossing.leave_squared);
+            let inner = c1 - 2.0 * (c0 * c2).sqrt();
+            let inner = if peaks { inner } else { NEVER_M };
+            let inner = if own { c1 } else { inner };
+            best[i] = larger(larger(best[i], here * crossing.inverse), inner);
             before[i] = here;
-        }
-        if let Some(fall) = facet.take() {
-            for i in 0..LANES {
-                best[i] = larger(best[i], best_facet(before[i] - observers_m[i], crossing.inverse, fall * twist[i]));
-            }
         }
     }
     best
 }
 
-/// The facet's slope from its first crossing: the slope there less what the twist added.
 #[inline(always)]
-fn best_facet(rise_m: f32, inverse: f32, fall: f32) -> f32 {
-    rise_m * inverse - fall
+fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
+    let start = at.wrapping_add_signed(offset);
+    array[start..start + LANES].first_chunk().expect("a slice of LANES")
 }
 
 /// The larger of two numbers, the first where one of them is NaN; one instruction.

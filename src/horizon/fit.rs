@@ -1,0 +1,202 @@
+//! Swept planes projected onto the coefficients of an encoding, azimuth by azimuth.
+//!
+//! A plane of elevations is needed only until its azimuth has been added to every coefficient. Each group of four
+//! coefficients is accumulated at its own resolution: box means and sums over azimuths commute. Every
+//! texel adds its azimuths in the order given, so that the sums do not depend on the number of threads.
+
+use rayon::prelude::*;
+
+use super::pack::{Encoding, TEXEL_COEFFICIENTS, Texels, pack};
+use super::series::turned;
+use super::sweep::wide::wide;
+
+/// Real numbers per texel.
+const REALS: usize = 2 * TEXEL_COEFFICIENTS;
+/// Pixel rows that a task takes: the coarsest texel's.
+const STRIP: usize = 8;
+
+/// Sums of one group of coefficients, `[texel row][real][texel column]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group {
+    pub scale: usize,
+    pub rows: usize,
+    pub columns: usize,
+    pub sums: Vec<f32>,
+}
+
+/// The coefficients of all pixels while azimuths are added.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accumulator {
+    azimuths: usize,
+    columns: usize,
+    rows: usize,
+    pub groups: Vec<Group>,
+}
+
+/// A plane of elevations, row by row with a stride.
+#[derive(Debug)]
+pub struct Plane {
+    /// Index of the azimuth.
+    pub azimuth: usize,
+    pub stride: usize,
+    pub elevations_rad: Vec<f32>,
+}
+
+impl Accumulator {
+    pub fn new(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
+        let group = |scale: usize| {
+            let (columns, rows) = (columns.div_ceil(scale), rows.div_ceil(scale));
+            Group { scale, rows, columns, sums: vec![0.0; REALS * columns * rows] }
+        };
+        Self { azimuths, columns, rows, groups: encoding.scales().into_iter().map(group).collect() }
+    }
+
+    /// Adds planes in their order.
+    pub fn add(&mut self, planes: &[Plane]) {
+        let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);
+        for (index, group) in self.groups.iter_mut().enumerate() {
+            let weights: Vec<_> = planes.iter().map(|plane| weights(index, plane.azimuth, azimuths)).collect();
+            let (scale, width) = (group.scale, group.columns);
+            let strip = REALS * width * STRIP / scale;
+            group.sums.par_chunks_mut(strip).enumerate().for_each(|(i, sums)| {
+                let mut means = vec![0.0; width];
+                for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
+                    let first = i * STRIP + row * scale;
+                    let last = (first + scale).min(rows);
+                    for (plane, weights) in planes.iter().zip(&weights) {
+                        wide(|| {
+                            box_means(plane, columns, first..last, scale, &mut means);
+                            add_scaled(&means, weights, sums);
+                        });
+                    }
+                }
+            });
+        }
+    }
+
+    /// The same sums with rows and columns exchanged.
+    pub fn transposed(&self) -> Self {
+        let turn = |group: &Group| {
+            let mut sums = vec![0.0; group.sums.len()];
+            for row in 0..group.rows {
+                for real in 0..REALS {
+                    for column in 0..group.columns {
+                        sums[(column * REALS + real) * group.rows + row] =
+                            group.sums[(row * REALS + real) * group.columns + column];
+                    }
+                }
+            }
+            Group { scale: group.scale, rows: group.columns, columns: group.rows, sums }
+        };
+        let groups = self.groups.iter().map(turn).collect();
+        Self { azimuths: self.azimuths, columns: self.rows, rows: self.columns, groups }
+    }
+
+    /// The sums as texels.
+    pub fn texels(&self) -> Vec<Texels> {
+        let level = |group: &Group| {
+            let mut level = Texels::empty(self.columns, self.rows, group.scale);
+            for (i, texel) in level.texels.iter_mut().enumerate() {
+                let (row, column) = (i / group.columns, i % group.columns);
+                let real = |real: usize| group.sums[(row * REALS + real) * group.columns + column];
+                *texel = std::array::from_fn(|slot| pack([real(2 * slot), -real(2 * slot + 1)]));
+            }
+            level
+        };
+        self.groups.iter().map(level).collect()
+    }
+}
+
+/// What one azimuth adds to `aₖ` and `bₖ` of a group.
+fn weights(group: usize, azimuth: usize, azimuths: usize) -> [f32; REALS] {
+    let mut weights = [0.0; REALS];
+    for slot in 0..TEXEL_COEFFICIENTS {
+        let k = group * TEXEL_COEFFICIENTS + slot;
+        let (sin, cos) = turned(k, azimuth, azimuths);
+        let norm = if k == 0 { 1.0 } else { 2.0 } / azimuths as f64;
+        weights[2 * slot] = (norm * cos) as f32;
+        weights[2 * slot + 1] = (norm * sin) as f32;
+    }
+    weights
+}
+
+/// Means over boxes of pixels, as far as the boxes lie in the plane.
+#[inline(always)]
+fn box_means(plane: &Plane, columns: usize, rows: std::ops::Range<usize>, scale: usize, means: &mut [f32]) {
+    let row_of = |row: usize| &plane.elevations_rad[row * plane.stride..row * plane.stride + columns];
+    if scale == 1 {
+        means.copy_from_slice(row_of(rows.start));
+        return;
+    }
+    means.fill(0.0);
+    let count = rows.len();
+    for row in rows {
+        for (mean, pixels) in means.iter_mut().zip(row_of(row).chunks(scale)) {
+            *mean += pixels.iter().sum::<f32>() / (pixels.len() * count) as f32;
+        }
+    }
+}
+
+#[inline(always)]
+fn add_scaled(values: &[f32], weights: &[f32; REALS], sums: &mut [f32]) {
+    for (sums, weight) in sums.chunks_mut(values.len()).zip(weights) {
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += weight * value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::horizon::error::TileErrors;
+    use crate::horizon::pack::HorizonMap;
+    use crate::horizon::series::Series;
+    use glam::DVec2;
+
+    fn planes(columns: usize, rows: usize, azimuths: usize) -> Vec<Plane> {
+        let plane = |azimuth: usize| {
+            let a = std::f64::consts::TAU * azimuth as f64 / azimuths as f64;
+            let h = |i: usize| (0.1 + 0.01 * (i % columns) as f64 * (a - 0.3).cos() + 0.02 * (7.0 * a).sin()) as f32;
+            Plane { azimuth, stride: columns, elevations_rad: (0..columns * rows).map(h).collect() }
+        };
+        (0..azimuths).map(plane).collect()
+    }
+
+    #[test]
+    fn sums_over_planes_are_the_series_of_each_pixel() {
+        let (columns, rows) = (11, 9);
+        let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
+        let planes = planes(columns, rows, 64);
+        sums.add(&planes);
+        let map = HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
+        for (column, row) in [(0, 0), (10, 8), (4, 5)] {
+            let profile: Vec<_> = planes.iter().map(|p| f64::from(p.elevations_rad[row * columns + column])).collect();
+            let expected = Series::fit(&profile, 15);
+            let got = map.horizon(DVec2::new(column as f64, row as f64));
+            for (a, b) in got.harmonics_rad.iter().flatten().zip(expected.harmonics_rad.iter().flatten()) {
+                // Half floats of 0.1.
+                assert!((a - b).abs() < 3.1e-5, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn turning_the_sums_turns_the_map_and_back() {
+        let mut sums = Accumulator::new(Encoding::Fm16, 19, 10, 40);
+        sums.add(&planes(19, 10, 40));
+        assert_eq!(sums.transposed().transposed(), sums);
+        assert_eq!(sums.transposed().texels()[2].columns, 3);
+    }
+
+    #[test]
+    fn partial_boxes_average_the_pixels_they_have() {
+        let mut sums = Accumulator::new(Encoding::Fm16, 9, 9, 40);
+        let ramp = (0..81).map(|i| (i % 9) as f32).collect();
+        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }]);
+        // The last of two boxes of 8 holds column 8 alone; 2/40 is the weight of a cosine at azimuth 0.
+        let group = &sums.groups[3];
+        assert_eq!((group.columns, group.rows), (2, 2));
+        assert!((group.sums[1] - 8.0 * 2.0 / 40.0).abs() < 1e-6 && (group.sums[0] - 3.5 * 2.0 / 40.0).abs() < 1e-6);
+    }
+}
