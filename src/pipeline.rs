@@ -97,7 +97,8 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         Some(paths) => Almanac::load(paths)?,
         None => Almanac::default_kernels(&default_kernel_folder())?,
     };
-    let frame = BodyFrame { body: scenario.body.clone(), ..almanac.body_frame(&scenario.body.name, Some(&scenario.frame))? };
+    let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
+    let frame = BodyFrame { body: scenario.body.clone(), ..named };
     let ground = ground::surface(scenario, &frame.body, cache, progress)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     Ok(Prepared { almanac, frame, ground, exposures })

@@ -40,7 +40,8 @@ pub fn exposures(
         if let Some(albedo) = scenario.earthshine_albedo {
             lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
         }
-        exposures.push(Exposure { epoch, sun, view: view });
+        let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
+        exposures.push(Exposure { epoch, sun, view });
     }
     Ok(exposures)
 }

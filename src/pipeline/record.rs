@@ -17,19 +17,14 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         name: kernel.name.clone(),
         sha256: kernel.sha256.clone(),
     });
-    let horizons = horizon_maps(scene).map(|map| Input {
-        role: "horizon".into(),
-        name: format!("{} horizons of {} by {} nodes", map.encoding_name(), map.columns, map.rows),
-        sha256: map.key().to_string(),
-    });
     Run {
         title: scenario.title.clone(),
         name: scenario.name.clone(),
         scenario: scenario.text.clone(),
-        body: body(scenario),
+        body: body(prepared),
         seed: scenario.seed,
         software: software(adapter),
-        inputs: prepared.ground.inputs.iter().cloned().chain(horizons).chain(kernels).collect(),
+        inputs: prepared.ground.inputs.iter().cloned().chain(kernels).collect(),
         settings: serde_json::json!({
             "frame": prepared.frame.frame_name,
             "shadows": format!("{:?}", scenario.shadows),
@@ -66,11 +61,11 @@ fn software(adapter: &str) -> SoftwareRecord {
     }
 }
 
-fn body(scenario: &Scenario) -> BodyRecord {
-    let body = &scenario.body;
+fn body(prepared: &Prepared) -> BodyRecord {
+    let body = &prepared.frame.body;
     BodyRecord {
         name: body.name.clone(),
-        frame: scenario.frame.clone(),
+        frame: prepared.frame.frame_name.clone(),
         radii_m: [body.equatorial_radius_m, body.equatorial_radius_m, body.polar_radius_m],
     }
 }
@@ -170,7 +165,7 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
 }
 
 fn quality(scene: &Scene, image: &Image) -> QualityRecord {
-    let worst_rad = horizon_maps(scene).map(|map| map.errors.max_rad).reduce(f64::max);
+    let worst_rad = horizon_maps(scene).map(|map| map.errors.decoded.max_rad).reduce(f64::max);
     let gap_share = image.plane(Quantity::DemGap).map(|plane| {
         let seen = plane.values.iter().filter(|value| value.is_finite()).count().max(1);
         plane.values.iter().filter(|value| **value > 0.5).count() as f64 / seen as f64

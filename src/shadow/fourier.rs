@@ -6,6 +6,8 @@
 //! # References
 //! Fritsch et al. (2025), horizon maps as truncated Fourier series.
 
+use glam::DVec2;
+
 use super::{Disc, Shadow, Site};
 use crate::horizon::HorizonMap;
 use crate::photometry::{DiskLight, HorizonLine};
@@ -24,10 +26,9 @@ impl Shadow for FourierMaps<'_> {
         let at_m = site.lifted.truncate();
         let series = self.maps[site.face][site.level].horizon(level.grid_from_map(at_m) - level.margin as f64);
         let towards = site.map.map_direction(at_m, disc.axes.sun);
-        let azimuth_rad = towards.x.atan2(towards.y);
-        let slope = series.slope(azimuth_rad) * site.map.azimuth_ratio(at_m, towards);
+        let (elevation_rad, slope) = series.evaluate_towards(towards.normalize_or(DVec2::Y));
         let sun_elevation_rad = site.map.up(at_m).unit().dot(disc.axes.sun.unit()).clamp(-1.0, 1.0).asin();
-        let elevation_rad = series.elevation_rad(azimuth_rad);
+        let slope = slope * site.map.azimuth_ratio(at_m, towards);
         let line = HorizonLine::new(elevation_rad, slope, sun_elevation_rad, disc.angular_radius_rad);
         disc.disk.light(line, disc.facet)
     }

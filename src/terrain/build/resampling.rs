@@ -19,6 +19,12 @@ pub struct ResamplingError {
     pub samples: usize,
 }
 
+impl std::fmt::Display for ResamplingError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "resampling: RMS {:.3} m, maximum {:.2} m over {} samples", self.rms_m, self.max_m, self.samples)
+    }
+}
+
 impl ResamplingError {
     fn of(errors_m: impl Iterator<Item = f64>) -> Self {
         let (samples, sum, max_m) = errors_m.fold((0, 0.0, 0.0), |(samples, sum, max): (usize, f64, f64), error_m| {
