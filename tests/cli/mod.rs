@@ -1,4 +1,5 @@
 //! What the program says and writes.
 
 mod bad_input;
+mod inspect;
 mod scenario;
