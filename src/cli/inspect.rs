@@ -53,7 +53,7 @@ fn write_outline(text: &mut String, value: &Json, depth: usize) {
     }
 }
 
-/// A value that fits on a line: a scalar, a list of scalars, or a channel's statistics.
+/// A value that fits on a line: a scalar, a list of scalars, a channel with its statistics.
 fn plain(value: &Json) -> Option<String> {
     match value {
         Json::Null => Some("none".into()),
@@ -62,7 +62,19 @@ fn plain(value: &Json) -> Option<String> {
         Json::Array(items) if items.iter().all(|item| !item.is_array() && !item.is_object()) => {
             Some(items.iter().filter_map(plain).collect::<Vec<_>>().join(", "))
         }
-        Json::Array(_) | Json::Object(_) => None,
+        Json::Array(_) => None,
+        Json::Object(_) => channel(value),
         scalar => Some(scalar.to_string()),
     }
+}
+
+/// `RADIANCE [W m-2 sr-1]  min 0  median 1.5  max 3  (1024 values)`
+fn channel(value: &Json) -> Option<String> {
+    let (name, statistics) = (value.get("channel")?.as_str()?, value.get("statistics")?);
+    let unit = value["unit"].as_str().unwrap_or("?");
+    // Values are single precision; more digits would only show its grid.
+    let at = |key: &str| statistics[key].as_f64().map_or("none".into(), |number| (number as f32).to_string());
+    let [minimum, median, maximum] = ["minimum", "median", "maximum"].map(at);
+    let count = &statistics["count"];
+    Some(format!("{name} [{unit}]  min {minimum}  median {median}  max {maximum}  ({count} values)"))
 }

@@ -40,8 +40,9 @@ pub fn encode(path: &Path, image: &render::Image, metadata: &Json) -> std::resul
     };
     let json = Text::from(metadata.to_string().as_str());
     attributes.other.insert(Text::from(ATTRIBUTE), AttributeValue::Text(json));
+    // Lines rather than tiles: what every reader knows.
     let encoding =
-        Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::default() };
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let layer = Layer::new(
         (image.columns, image.rows),
         attributes,

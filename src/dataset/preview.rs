@@ -56,8 +56,8 @@ pub fn digital_numbers(values: &[f32], gaps: Option<&[f32]>, columns: usize, whi
             let (column, row) = (pixel % columns, pixel / columns);
             return CHECKER_GREYS[(column / CHECKER_PIXELS + row / CHECKER_PIXELS) % 2];
         }
-        // `max` of NaN and 0 is 0: pixels without a value are black.
-        (f64::from(*value) / white * 65535.0).max(0.0).min(65535.0).round() as u16
+        // The conversion saturates, and makes 0 of what is not a number: pixels without a value are black.
+        (f64::from(*value) / white * 65535.0).round() as u16
     };
     values.iter().enumerate().map(number).collect()
 }

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use super::animation;
 use super::atomic::{self, PARTIAL};
@@ -24,6 +24,11 @@ use crate::render::{Image, Quantity};
 
 /// Images that wait to be written; each may take some hundred megabytes.
 const QUEUE: usize = 2;
+const MANIFEST: &str = "manifest.json";
+const POSES: &str = "poses.csv";
+const SHEET: &str = "contact_sheet.png";
+const ANIMATION: &str = "preview.gif";
+const SEQUENCE_FILES: [&str; 4] = [MANIFEST, POSES, SHEET, ANIMATION];
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
 /// More exposures than this are shown by an even choice.
@@ -95,7 +100,7 @@ impl Writer {
             (0..self.planned).filter_map(|index| Some((index, self.desk.finished(index)?))).collect();
         let plain: Vec<Record> = records.iter().map(|(_, record)| record.clone()).collect();
         let scale = preview::scale(&plain, self.settings.white);
-        let mut files = vec![self.desk.write("poses.csv", poses::csv(&plain).as_bytes())?];
+        let mut files = vec![self.desk.write(POSES, poses::csv(&plain).as_bytes())?];
         if let Some(scale) = &scale {
             let thumbnails: Vec<(usize, Dn)> = records
                 .par_iter_mut()
@@ -112,11 +117,11 @@ impl Writer {
         let shown: Vec<_> = previews.iter().step_by(step).map(|(index, dn)| (*index, dn.sheet.clone())).collect();
         let sheet = contact_sheet::sheet(&shown);
         let comment = format!("{}; shown with gamma 2.2", preview::comment(scale));
-        let name = "contact_sheet.png";
+        let name = SHEET;
         let bytes = png_file::encode_8(&self.desk.path(name), [sheet.columns, sheet.rows], &sheet.grey, &comment)?;
         let mut files = vec![self.desk.write(name, &bytes)?];
         if self.settings.animation {
-            let name = "preview.gif";
+            let name = ANIMATION;
             let frames: Vec<_> = previews.iter().map(|(index, dn)| (*index, dn.frame.clone())).collect();
             files.push(self.desk.write(name, &animation::encode(&self.desk.path(name), &frames)?)?);
         }
@@ -147,7 +152,7 @@ impl Writer {
             exposures: records.iter().map(entry).collect(),
             files,
         };
-        self.desk.write("manifest.json", &pretty(&manifest)).map(|_| ())
+        self.desk.write(MANIFEST, &pretty(&manifest)).map(|_| ())
     }
 
     /// Lets the thread end and asks how it went; a second call has nothing to tell.
@@ -258,28 +263,37 @@ impl Desk {
         Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
     }
 
-    /// Removes half-written files and the exposures of other runs.
+    /// Removes half-written files and those of other runs.
     fn remove_stale(&self) -> Result<(), DatasetError> {
         let error = |source| DatasetError::Read { path: self.directory.clone(), source };
         for entry in fs::read_dir(&self.directory).map_err(error)? {
             let name = entry.map_err(error)?.file_name().to_string_lossy().into_owned();
-            let is_stale = match name.strip_prefix("exposure_").and_then(|rest| rest.split_once('.')) {
-                Some((index, extension)) if index.bytes().all(|byte| byte.is_ascii_digit()) => {
-                    extension.ends_with(PARTIAL) || !self.belongs(&format!("exposure_{index}.json"))
-                }
-                _ => false,
-            };
-            if is_stale {
-                let path = self.path(&name);
+            if self.is_stale(&name) {
                 // A file that will not go away is met again when it is written.
-                let _ = fs::remove_file(path);
+                let _ = fs::remove_file(self.path(&name));
             }
         }
         Ok(())
     }
 
-    fn belongs(&self, record: &str) -> bool {
-        read_record(&self.path(record)).is_ok_and(|record| record.run_key == self.key)
+    /// Half-written, or made by another run. Files of other programs are not ours to remove.
+    fn is_stale(&self, name: &str) -> bool {
+        let whole = name.strip_suffix(PARTIAL).unwrap_or(name);
+        let exposure = whole.strip_prefix("exposure_").and_then(|rest| rest.split_once('.'));
+        let belongs = match exposure {
+            Some((index, _)) if index.bytes().all(|byte| byte.is_ascii_digit()) => {
+                self.belongs(&format!("exposure_{index}.json"))
+            }
+            _ if SEQUENCE_FILES.contains(&whole) => self.belongs(MANIFEST),
+            _ => return false,
+        };
+        whole != name || !belongs
+    }
+
+    /// Whether a record or manifest was written by this run.
+    fn belongs(&self, name: &str) -> bool {
+        let found = atomic::read(&self.path(name)).ok().and_then(|bytes| serde_json::from_slice::<Json>(&bytes).ok());
+        found.is_some_and(|found| found["run_key"] == self.key.as_str())
     }
 }
 

@@ -15,6 +15,9 @@ use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 /// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
 const CUBE_MARGIN_M: f64 = 300_000.0;
 
+/// The one encoding that scenarios know.
+const ENCODING: horizon::Encoding = horizon::Encoding::Fm16;
+
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
 pub struct Ground {
@@ -147,7 +150,8 @@ pub fn horizons(
         for level in 0..face.levels.len() {
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
-            levels.push(horizon::build(face, level, settings, &folder, &|done, total| progress.at(done, total))?);
+            let heard = |done: usize, total: usize| progress.at(done, total);
+            levels.push(horizon::open_or_build(face, level, settings, ENCODING, &folder, &heard)?);
         }
         maps.push(levels);
     }

@@ -18,7 +18,7 @@ use super::{RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
-use crate::horizon::HorizonMap;
+use crate::horizon::{Encoding, HorizonMap, SERIES_WGSL};
 use crate::terrain::{Face, Ground, Hit, Level, Pyramid, Surface};
 
 /// The pass, as one text: declarations may come in any order.
@@ -134,7 +134,7 @@ impl Prepared {
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
-        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, crate::horizon::SERIES_WGSL].concat();
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
         let mut points = offsets;
         if extra {
             points.push(DVec2::ZERO);
@@ -290,6 +290,7 @@ impl Store {
         }
         if let Some(map) = horizon {
             shader.has_horizon = 1;
+            shader.horizon_halving = u32::from(map.encoding == Encoding::Fm16);
             for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
                 *offset = self.texels.len() as u32;
                 self.texels.extend(&texels.texels);

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The allowed range of a number stands once, beside its field in [`spec`]: the JSON schema carries it to the
-//! check ([`structure`]) and to the printed reference ([`reference`]).
+//! check (`structure.rs`) and to the printed reference (`reference.rs`).
 
 mod camera;
 mod epoch;

@@ -12,12 +12,15 @@ use crate::geometry::Geodetic;
 /// How far a quaternion's length may be from 1: more than the rounding of three decimals, less than a typing error.
 const QUATERNION_LENGTH_TOLERANCE: f64 = 1e-3;
 
+/// A count beyond its range is reported already; it must not fill the memory meanwhile.
+const MOST_EXPOSURES: u32 = 100_000;
+
 /// Epochs in order; empty where none could be read.
 pub fn exposures(written: &spec::Exposures, check: &mut Check) -> Vec<Epoch> {
     match written {
         spec::Exposures::Series { start, step_s, count } => {
             let Some(start) = check.epoch("exposures.start", start) else { return Vec::new() };
-            (0..*count).map(|index| after(start, step_s * f64::from(index))).collect()
+            (0..(*count).min(MOST_EXPOSURES)).map(|index| after(start, step_s * f64::from(index))).collect()
         }
         spec::Exposures::List(texts) => listed(texts, check),
     }
@@ -35,8 +38,10 @@ fn listed(texts: &[String], check: &mut Check) -> Vec<Epoch> {
     epochs
 }
 
-/// `seconds` of physical time after `start`, in its scale; leap seconds count.
+/// `seconds` of physical time after `start`, in its scale; leap seconds count. What is not finite is reported already
+/// and must not stop the check here.
 fn after(start: Epoch, seconds: f64) -> Epoch {
+    let seconds = if seconds.is_finite() { seconds } else { 0.0 };
     (start.to_time_scale(TimeScale::TAI) + seconds * Unit::Second).to_time_scale(start.time_scale)
 }
 
@@ -58,7 +63,12 @@ pub fn trajectory(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Trajec
             let position_m = DVec3::from(*position_m);
             let inside_m = world::body(&spec.body).polar_radius_m;
             let rule = format!("is inside the body, whose polar radius is {inside_m} m");
-            check.rule(!(position_m.length() < inside_m), "trajectory.position_m", position_m, rule);
+            check.rule(
+                position_m.length() >= inside_m || !position_m.is_finite(),
+                "trajectory.position_m",
+                position_m,
+                rule,
+            );
             Trajectory::State {
                 epoch: check.epoch("trajectory.epoch", epoch).unwrap_or_default(),
                 position_m,
@@ -122,7 +132,11 @@ fn orbit(written: &spec::Trajectory, check: &mut Check) -> Trajectory {
     }
 }
 
-pub fn pointing(written: &spec::Pointing, exposures: &[Epoch], has_terrain: bool, check: &mut Check) -> Pointing {
+pub fn pointing(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Pointing {
+    let (written, has_terrain) = (&spec.pointing, spec.terrain.is_some());
+    let stands_still = matches!(&spec.trajectory, spec::Trajectory::Waypoints { points, .. } if points.len() < 2);
+    let along_nothing = stands_still && written.towards == spec::Towards::AlongVelocity;
+    check.needs(!along_nothing, "pointing.towards", "needs a trajectory that moves: of two waypoints or more");
     let towards = match &written.towards {
         spec::Towards::Nadir => Towards::Nadir,
         spec::Towards::AlongVelocity => Towards::AlongVelocity,
@@ -175,7 +189,11 @@ fn over_time(key: &str, times_s: &[f64], exposures: &[Epoch], check: &mut Check)
 fn quaternion(key: &str, [w, x, y, z]: [f64; 4], check: &mut Check) -> DQuat {
     let attitude = DQuat::from_xyzw(x, y, z, w);
     let length = attitude.length();
-    if !((length - 1.0).abs() <= QUATERNION_LENGTH_TOLERANCE) {
+    if !length.is_finite() {
+        // Reported already.
+        return DQuat::IDENTITY;
+    }
+    if (length - 1.0).abs() > QUATERNION_LENGTH_TOLERANCE {
         let rule = format!("has length {length:.4}, allowed is 1 within {QUATERNION_LENGTH_TOLERANCE}");
         check.rule(false, key, format!("(w: {w}, x: {x}, y: {y}, z: {z})"), rule);
         return DQuat::IDENTITY;

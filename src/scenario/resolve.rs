@@ -148,7 +148,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         sun: world::sun(&spec.sun, has_terrain, check),
         earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),
         trajectory: motion::trajectory(spec, &exposures, check),
-        pointing: motion::pointing(&spec.pointing, &exposures, has_terrain, check),
+        pointing: motion::pointing(spec, &exposures, check),
         camera: camera::camera(&spec.camera, check),
         detector: camera::detector(spec, check),
         exposures,

@@ -8,6 +8,9 @@
 use std::iter::Peekable;
 use std::str::Chars;
 
+/// As deep as `ron` goes; deeper nesting could overflow the stack.
+const DEEPEST: usize = 128;
+
 /// Line and column, both from 1, the column in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
@@ -44,7 +47,7 @@ pub struct Field {
 
 /// The tree of a text, or `None` where the text is not plain RON.
 pub fn parse(text: &str) -> Option<Node> {
-    let mut reader = Reader { chars: text.chars().peekable(), place: Place { line: 1, column: 1 } };
+    let mut reader = Reader { chars: text.chars().peekable(), place: Place { line: 1, column: 1 }, depth: 0 };
     reader.skip_attributes()?;
     let node = reader.node()?;
     reader.skip_space()?;
@@ -86,6 +89,7 @@ impl Node {
 struct Reader<'a> {
     chars: Peekable<Chars<'a>>,
     place: Place,
+    depth: usize,
 }
 
 impl Reader<'_> {
@@ -171,6 +175,10 @@ impl Reader<'_> {
 
     fn node(&mut self) -> Option<Node> {
         self.skip_space()?;
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return None;
+        }
         let place = self.place;
         let value = match self.peek()? {
             '"' => Value::Text(self.text()?),
@@ -182,6 +190,7 @@ impl Reader<'_> {
             '-' | '+' | '.' | '0'..='9' => Value::Number(self.take_while(is_number)),
             _ => self.named()?,
         };
+        self.depth -= 1;
         Some(inside_some(Node { place, value }))
     }
 
@@ -214,7 +223,7 @@ impl Reader<'_> {
 
     /// Whether `key:` comes next; reads nothing.
     fn sees_key(&self) -> bool {
-        let mut ahead = Reader { chars: self.chars.clone(), place: self.place };
+        let mut ahead = Reader { chars: self.chars.clone(), place: self.place, depth: 0 };
         ahead.key().is_some()
     }
 
@@ -342,6 +351,12 @@ mod tests {
     fn columns_count_characters_not_bytes() {
         let node = parse("(a: \"ä–ö\", b: 1)").unwrap();
         assert_eq!(node.locate("b"), Place { line: 1, column: 15 });
+    }
+
+    #[test]
+    fn endless_nesting_does_not_overflow_the_stack() {
+        assert!(parse(&"(a: ".repeat(1_000_000)).is_none());
+        assert!(parse(&"[".repeat(1_000_000)).is_none());
     }
 
     #[test]

@@ -37,10 +37,12 @@ struct MapLevel {
     mips: u32,
     heights_offset: u32,
     maxima_offset: u32,
+    // Where the horizon map's resolution levels begin.
     horizon: vec4u,
     face: u32,
     has_horizon: u32,
-    padding: vec2u,
+    horizon_halving: u32,
+    padding: u32,
 }
 
 // What a ray met.

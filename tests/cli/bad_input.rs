@@ -331,6 +331,17 @@ const MEANING: &[Case] = &[
         "3:22: terrain.dems[0] covers the whole body, so it must be the last",
     ),
     Case(
+        "velocity of a camera that stands still",
+        "Waypoints(points: [
+        (t_s: 0, latitude_deg: -89.5, longitude_deg: 0, height_m: 2000),
+        (t_s: 60, latitude_deg: -89.6, longitude_deg: 0, height_m: 1000),
+    ]),
+    pointing: (towards: Nadir",
+        "Waypoints(points: [(t_s: 0, latitude_deg: -89.5, longitude_deg: 0, height_m: 2000)]),
+    pointing: (towards: AlongVelocity",
+        "6:25: pointing.towards needs a trajectory that moves: of two waypoints or more",
+    ),
+    Case(
         "plane listed twice",
         "[radiance, depth]",
         "[radiance, sun_fraction, radiance]",
@@ -498,4 +509,26 @@ fn all_problems_are_reported_together_in_the_order_of_lines() {
         "rows: 48, samples_per_pixel: 3),\n    exposures: Series(start: \"tomorrow\"",
     );
     assert_eq!(said.lines().count(), 3, "{said}");
+}
+
+/// Every character dropped, every number replaced by what a tired user may write: always a message, never a panic.
+#[test]
+fn no_damage_to_a_scenario_makes_the_check_panic() {
+    let places = Places { beside: "nowhere".into(), data: Vec::new(), kernels: "nowhere".into() };
+    let check = |text: &str| drop(resolve(Path::new("x.ron"), text, &places, &|_| None));
+    for (index, dropped) in GOOD.char_indices() {
+        check(&format!("{}{}", &GOOD[..index], &GOOD[index + dropped.len_utf8()..]));
+        check(&GOOD[..index]);
+    }
+    let is_number = |char: char| char.is_ascii_digit() || matches!(char, '-' | '.');
+    let starts =
+        GOOD.match_indices(": ").map(|(index, _)| index + 2).filter(|start| GOOD[*start..].starts_with(is_number));
+    for start in starts {
+        let end = start + GOOD[start..].find(|char| !is_number(char)).expect("the text goes on");
+        for number in
+            ["NaN", "inf", "-inf", "0", "-1", "1e300", "-1e300", "1e-300", "4294967295", "1_000", "0x10", "+5"]
+        {
+            check(&format!("{}{number}{}", &GOOD[..start], &GOOD[end..]));
+        }
+    }
 }

@@ -115,7 +115,19 @@ fn exposures_of_another_run_are_not_taken_for_this_one() {
     let other = Run { seed: 7, ..run() };
     let writer = Writer::open(folder.path(), other, 4, SETTINGS).unwrap();
     assert!((0..4).all(|index| !writer.done(index)));
-    assert!(!folder.path().join("exposure_0000.exr").exists());
+    assert_eq!(files(folder.path()).len(), 0);
+}
+
+#[test]
+fn files_of_other_programs_stay() {
+    let folder = TempDir::new().unwrap();
+    for name in ["notes.txt", "exposure_notes.txt", "a.partial"] {
+        fs::write(folder.path().join(name), "mine").unwrap();
+    }
+    fs::write(folder.path().join("manifest.json.partial"), "half").unwrap();
+    open(folder.path()).finish().unwrap();
+    let names: Vec<String> = files(folder.path()).into_keys().collect();
+    assert_eq!(names, ["a.partial", "exposure_notes.txt", "manifest.json", "notes.txt", "poses.csv"]);
 }
 
 #[test]
