@@ -103,7 +103,7 @@ fn an_infinite_wall_falls_off_with_the_cosine() {
     let (height_m, distance_m) = (200.0, 1000.0);
     let wall = |at: DVec2| if at.x >= distance_m - 1e-6 { height_m } else { 0.0 };
     let face = face(map.clone(), vec![level(&map, 513, 20.0, DVec2::ZERO, wall)]);
-    for azimuth_rad in azimuths_rad().filter(|azimuth_rad| (azimuth_rad - PI / 2.0).cos() > 0.3) {
+    for azimuth_rad in azimuths_rad().filter(|azimuth_rad| (azimuth_rad - PI / 2.0).cos() > 0.4) {
         let expected_rad = (height_m / distance_m * (azimuth_rad - PI / 2.0).cos()).atan();
         for got_rad in both(&face, 256, 256, azimuth_rad, &Settings::default()) {
             assert!((got_rad - expected_rad).abs() < 1e-6, "{azimuth_rad}: {got_rad} {expected_rad}");
@@ -255,7 +255,9 @@ fn turning_the_terrain_turns_the_skyline() {
 #[test]
 fn turning_the_map_leaves_the_horizon() {
     let map = lunar_map();
-    let ground = |at: DVec2| 200.0 * (at.x / 900.0).sin() * (at.y / 700.0).cos() + 0.05 * at.x;
+    let waves = |at: DVec2| 200.0 * (at.x / 900.0).sin() * (at.y / 700.0).cos() + 0.05 * at.x;
+    // Nothing but the sphere where the square maps differ.
+    let ground = |at: DVec2| waves(at) * (1.0 - at.length_squared() / 1900.0_f64.powi(2)).max(0.0).powi(2);
     let turn_rad = 0.4;
     let straight = face(map.clone(), vec![level(&map, 401, 10.0, DVec2::ZERO, ground)]);
     let turn = DVec2::from_angle(turn_rad);

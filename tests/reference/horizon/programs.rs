@@ -59,7 +59,8 @@ fn unpacked(path: &Path, member: &str) -> Option<Vec<u8>> {
     output.stdout.get(10 + header..).map(<[u8]>::to_vec)
 }
 
-/// IPW skips the adjacent cell: low by more than 0.05° on a third of the cells, never high.
+/// IPW skips the adjacent cell: low by more than 0.05° on a third of the cells, never high. At azimuths other than these it skews
+/// the grid by whole cells and is off both ways.
 #[test]
 fn the_lakes_horizons_are_those_of_ipw() {
     let Some(path) = data("horizon_reference/lakes_horizons_deg.npz") else { return };
@@ -87,11 +88,11 @@ fn the_lakes_horizons_are_those_of_ipw() {
     let settings = Settings::default();
     let tracer = Tracer::new(&face, &settings);
     let mut errors_deg = Vec::new();
-    for (i, azimuth_deg) in azimuths_deg.iter().enumerate().step_by(5) {
+    for (i, azimuth_deg) in azimuths_deg.iter().enumerate().filter(|(_, azimuth_deg)| **azimuth_deg % 90 == 0) {
         // 0 is towards growing row, here up the map; +90 towards growing column.
         let towards = direction((*azimuth_deg as f64).to_radians());
-        for row in (4..rows - 4).step_by(7) {
-            for column in (4..columns - 4).step_by(7) {
+        for row in (4..rows - 4).step_by(3) {
+            for column in (4..columns - 4).step_by(3) {
                 let theirs_deg = f64::from(horizons[(i * rows + row) * columns + column]);
                 let ours_deg = tracer.skyline(face.levels[0].lifted_node(column, row), towards).elevation_rad.to_degrees();
                 // They clamp at the horizontal.

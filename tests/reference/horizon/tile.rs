@@ -20,7 +20,7 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
         let built = build(&face, 0, &settings(), encoding, directory.path(), &|_, _| ()).unwrap();
         let key = Key::of(&face, 0, &settings(), encoding);
         let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
-        assert_eq!(read, built);
+        assert!(read == built);
         assert_eq!(header.key, key);
         assert!(built.errors.swept.p95_rad.to_degrees() < 0.01);
         assert!(built.errors.decoded.rms_rad > built.errors.swept.rms_rad);
@@ -37,7 +37,7 @@ fn a_second_run_reuses_the_tile_and_a_changed_height_does_not() {
     let count = |_: usize, _: usize| *calls.lock().unwrap() += 1;
     let first = open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
     let after_first = *calls.lock().unwrap();
-    assert_eq!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap(), first);
+    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap() == first);
     assert_eq!(*calls.lock().unwrap(), after_first);
     face.levels[0].heights_m[7] += 1.0;
     open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
@@ -82,7 +82,7 @@ fn threads_do_not_change_a_byte() {
         pool.install(|| build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ())).unwrap();
         fs::read(store::path_for(directory.path(), &Key::of(&face, 0, &settings(), Encoding::Fm16))).unwrap()
     };
-    assert_eq!(bytes(1), bytes(3));
+    assert!(bytes(1) == bytes(3));
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     let message = store::read_of(directory.path(), &key).unwrap_err().to_string();
     assert!(message.contains("truncated") && message.contains("horizon_"), "{message}");
-    assert_eq!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap(), built);
+    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap() == built);
 
     let other = Key::of(&face, 0, &Settings { azimuths: 48, ..settings() }, Encoding::Fm16);
     fs::write(store::path_for(directory.path(), &other), &whole).unwrap();
