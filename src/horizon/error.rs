@@ -66,17 +66,22 @@ impl ErrorStatistics {
         let mut sizes_rad: Vec<f64> = errors_rad.into_iter().map(f64::abs).collect();
         sizes_rad.sort_by(f64::total_cmp);
         let Some(last) = sizes_rad.len().checked_sub(1) else { return Self::default() };
-        let quantile = |share: f64| sizes_rad[(last as f64 * share).round() as usize];
+        let quantile = |share: f64| short(sizes_rad[(last as f64 * share).round() as usize]);
         let mean_square = sizes_rad.iter().map(|e| e * e).sum::<f64>() / sizes_rad.len() as f64;
         Self {
             samples: sizes_rad.len(),
-            rms_rad: mean_square.sqrt(),
+            rms_rad: short(mean_square.sqrt()),
             p50_rad: quantile(0.50),
             p95_rad: quantile(0.95),
             p99_rad: quantile(0.99),
-            max_rad: sizes_rad[last],
+            max_rad: short(sizes_rad[last]),
         }
     }
+}
+
+/// A number of four digits: it reads back from text as itself.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().expect("a number printed is a number")
 }
 
 /// The errors of a tile against traced horizons, over all azimuths of a stated number of pixels.

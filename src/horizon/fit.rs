@@ -51,6 +51,14 @@ impl Accumulator {
         Self { azimuths, columns, rows, groups: encoding.scales().into_iter().map(group).collect() }
     }
 
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// Adds planes in their order.
     pub fn add(&mut self, planes: &[Plane]) {
         let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);

@@ -64,10 +64,6 @@ impl Receivers {
         let row = u - self.margin as isize;
         (0..self.majors as isize).contains(&row).then_some(row as usize)
     }
-
-    fn observers_of(&self, row: usize) -> &[f32] {
-        &self.observers_m[row * self.stride..(row + 1) * self.stride]
-    }
 }
 
 /// All that the azimuths along one major axis share.
@@ -88,11 +84,12 @@ impl<'a> Sweep<'a> {
     pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Self {
         let levels = &face.levels[level..];
         let datum_m = middle_m(&levels[0]);
-        let grids: Vec<_> = (levels.iter().enumerate())
-            .map(|(i, level)| Grid::new(level, major, if i == 0 { NEAR + 2 } else { 1 }, datum_m))
-            .collect();
+        let widened = levels.get(1).map(|coarser| widened(&levels[0], coarser, NEAR + 2));
+        let fine = widened.as_ref().unwrap_or(&levels[0]);
+        let coarser = levels[1..].iter().map(|level| Grid::new(level, major, 1, datum_m));
+        let grids: Vec<_> = std::iter::once(Grid::new(fine, major, NEAR + 2, datum_m)).chain(coarser).collect();
         let twists_m = grids[0].twists_m();
-        let receivers = Receivers::new(face, &levels[0], major, datum_m, settings);
+        let receivers = Receivers::new(face, fine, major, datum_m, settings);
         Self { face, level, settings: *settings, major, datum_m, grids, twists_m, receivers }
     }
 
@@ -216,6 +213,39 @@ impl<'a> Sweep<'a> {
         };
         level.lifted_node(column + level.margin, row + level.margin)
     }
+}
+
+/// A level with a margin of the coarser level's surface around it, so that the near field of its outermost nodes is exact too.
+fn widened(level: &Level, coarser: &Level, nodes: usize) -> Level {
+    let (columns, rows) = (level.columns + 2 * nodes, level.rows + 2 * nodes);
+    let mut wide = Level {
+        columns,
+        rows,
+        posting_m: level.posting_m,
+        west_m: level.west_m - nodes as f64 * level.posting_m,
+        south_m: level.south_m - nodes as f64 * level.posting_m,
+        heights_m: vec![0.0; columns * rows],
+        gap: vec![true; columns * rows],
+        margin: level.margin + nodes,
+    };
+    for row in 0..rows {
+        for column in 0..columns {
+            let node = wide.index(column, row);
+            let (inner_column, inner_row) = (column.wrapping_sub(nodes), row.wrapping_sub(nodes));
+            if inner_column < level.columns && inner_row < level.rows {
+                let inner = level.index(inner_column, inner_row);
+                (wide.heights_m[node], wide.gap[node]) = (level.heights_m[inner], level.gap[inner]);
+                continue;
+            }
+            let grid = coarser.grid_from_map(wide.node_m(column, row));
+            let Some((c, r)) = coarser.cell(grid) else { continue };
+            if [(0, 0), (1, 0), (0, 1), (1, 1)].iter().all(|(x, y)| !coarser.gap[coarser.index(c + x, r + y)]) {
+                wide.heights_m[node] = coarser.bilinear_m(grid).expect("the cell is inside") as f32;
+                wide.gap[node] = false;
+            }
+        }
+    }
+    wide
 }
 
 /// The middle of a level's heights: `f32` heights above it keep more digits.

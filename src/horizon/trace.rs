@@ -77,11 +77,10 @@ impl<'a> Tracer<'a> {
         let mut seen: Vec<(f64, f64)> = Vec::new();
         for level in self.levels {
             let Some((in_m, out_m)) = stretch(level, observer.truncate(), direction) else { continue };
-            let whole = (in_m, out_m.min(self.settings.search_limit_m()));
-            for (from_m, to_m) in without(whole, &seen) {
-                view.walk(level, from_m, to_m);
+            for (from_m, to_m) in without((in_m, out_m), &seen) {
+                view.walk(level, from_m, to_m, self.settings.search_limit_m());
             }
-            seen.push(whole);
+            seen.push((in_m, out_m));
         }
         let tangent = self.map.elevation_tangent(observer, direction, view.slope);
         Skyline { elevation_rad: tangent.atan(), distance_m: view.distance_m }
@@ -140,14 +139,17 @@ impl View {
         }
     }
 
-    /// Every cell of a level between two map distances.
-    fn walk(&mut self, level: &Level, from_m: f64, to_m: f64) {
+    /// Every cell of a level between two map distances that is left within the search distance.
+    fn walk(&mut self, level: &Level, from_m: f64, to_m: f64, search_m: f64) {
         let start = on_node(level.grid_from_map(self.observer.truncate()));
         let rate = self.direction / level.posting_m;
         let mut lines = [Crossings::after(start.x, rate.x, from_m), Crossings::after(start.y, rate.y, from_m)];
         let mut from_m = from_m;
         while from_m < to_m {
             let next_m = lines[0].next_m.min(lines[1].next_m).min(to_m);
+            if next_m > search_m {
+                return;
+            }
             if next_m > from_m {
                 self.cell(level, start, rate, from_m, next_m);
             }

@@ -9,7 +9,7 @@
 //! whose hulls are made once per azimuth ([`Beyond`]).
 
 use super::Receivers;
-use super::grid::Grid;
+use super::grid::{ABSENT_M, Grid, NEVER_M};
 use super::hull::{Hull, Touch};
 use super::line::{Line, Placed};
 use super::near::larger;
@@ -76,7 +76,8 @@ impl<'a> Far<'a> {
     /// touches beyond the search distance.
     pub fn raise(&self, slopes: &mut [f32]) {
         let (low, high) = self.intercepts();
-        let (first, last) = ((low * LINES as f64).floor() as isize, (high * LINES as f64).ceil() as isize);
+        // The first line lies below all receivers.
+        let (first, last) = ((low * LINES as f64).floor() as isize - 1, (high * LINES as f64).ceil() as isize);
         let profile = Profile::new(self.fine(), self.ray);
         let mut hulls: [Hull; BLOCK_LINES] = std::array::from_fn(|_| Hull::default());
         for start in (first..=last).step_by(BLOCK * LINES) {
@@ -95,6 +96,7 @@ impl<'a> Far<'a> {
         }
         let first_line = |u: isize| start as f64 / LINES as f64 + turn * (u - self.pivot()) as f64;
         let ahead = self.near as isize + 1;
+        let mut before_m = [NEVER_M; BLOCK_LINES];
         for along in (0..fine.majors as isize).rev() {
             let pushed = along + ahead;
             if pushed < fine.majors as isize {
@@ -103,8 +105,14 @@ impl<'a> Far<'a> {
                 if low >= -(BLOCK as isize) - 1 && low < fine.minors as isize {
                     let heights_m = sample(fine, u, low, share);
                     let x = self.x_m(u) as f32;
+                    if pushed + 1 < fine.majors as isize {
+                        self.push_columns(u, low, share, x, &heights_m, &before_m, hulls);
+                    }
+                    before_m = heights_m;
                     for (hull, height_m) in hulls.iter_mut().zip(heights_m) {
-                        hull.push(x, height_m);
+                        if height_m > ABSENT_M {
+                            hull.push(x, height_m);
+                        }
                     }
                 }
             }
@@ -141,19 +149,65 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// The slope seen between two lines from their tangents.
+    /// Pushes where lines cross a column between row `u` and the row beyond it, if the surface stands above the chord there.
+    #[inline(always)]
+    fn push_columns(
+        &self,
+        u: isize,
+        low: isize,
+        share: f64,
+        x: f32,
+        heights_m: &[f32; BLOCK_LINES],
+        beyond_m: &[f32; BLOCK_LINES],
+        hulls: &mut [Hull; BLOCK_LINES],
+    ) {
+        let fine = self.fine();
+        for part in 0..LINES {
+            // All lines of a part cross their columns at the same distance.
+            let (step, share) = split(share + part as f64 / LINES as f64);
+            let (beyond, _) = split(share + self.ray.minor);
+            let column = beyond.max(0);
+            let along = (column as f64 - share) / self.ray.minor;
+            if beyond == 0 || along <= 1e-6 || along >= 1.0 - 1e-6 {
+                continue;
+            }
+            let start = (low + step + column + fine.pad() as isize) as usize;
+            let (near, far) = (&fine.row(u)[start..], &fine.row(u + self.ray.sign)[start..]);
+            let along = along as f32;
+            let x = x + along * fine.posting_m as f32;
+            for i in 0..=BLOCK {
+                let line = part + i * LINES;
+                if line >= BLOCK_LINES {
+                    break;
+                }
+                let height_m = (1.0 - along) * near[i] + along * far[i];
+                let chord_m = (1.0 - along) * heights_m[line] + along * beyond_m[line];
+                if height_m > larger(chord_m, ABSENT_M) {
+                    hulls[line].push(x, height_m);
+                }
+            }
+        }
+    }
+
+    /// The slope seen between two lines from their tangents. Where these do not agree, that on the receiver's own line.
     fn between(&self, profile: &Profile, u: isize, v: usize, observer_m: f32, touches: [Touch; 2], weight: f32) -> f32 {
         if larger(touches[0].run_m, touches[1].run_m) > self.search_x {
             return f32::NAN;
         }
         let [below, above] = touches.map(|touch| touch.rise_m / touch.run_m);
-        let between = weight * below + (1.0 - weight) * above;
         if (below - above).abs() <= self.tolerance {
-            return between;
+            return weight * below + (1.0 - weight) * above;
         }
         let steps = touches.map(|touch| (touch.run_m * self.inverse_posting + 0.5) as usize);
-        let slope = profile.slope(self.fine(), u, v, observer_m, steps);
-        slope.map_or(between, |slope| slope * self.inverse_posting)
+        let reach = profile.reach(self.fine(), u, v);
+        let own = profile.slope(self.fine(), u, v, observer_m, steps, reach) * self.inverse_posting;
+        if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
+            return own;
+        }
+        // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
+        let lower = if below < above { below } else { above };
+        let both = if steps[0].min(steps[1]) > reach { weight * below + (1.0 - weight) * above } else { lower };
+        larger(own, both)
     }
 
     /// Pushes the first [`RING`] nodes of the level after `level` along a line that leaves `level`.

@@ -7,6 +7,9 @@ use crate::terrain::Level;
 /// Height of what never occludes: far below everything, yet finite, so that a share of 0 in it is 0.
 pub const NEVER_M: f32 = -1e30;
 
+/// Heights below this have a share of [`NEVER_M`] in them.
+pub const ABSENT_M: f32 = -1e10;
+
 /// Receivers are computed this many at a time.
 pub const LANES: usize = 32;
 
@@ -93,7 +96,7 @@ impl Grid {
             for v in 0..self.minors - 1 {
                 let at = self.at(u, v);
                 let corners = [at, at + self.stride, at + 1, at + self.stride + 1].map(|i| self.heights_m[i]);
-                if corners.iter().all(|height_m| *height_m > NEVER_M) {
+                if corners.iter().all(|height_m| *height_m > ABSENT_M) {
                     twists_m[at] = corners[0] - corners[1] - corners[2] + corners[3];
                 }
             }

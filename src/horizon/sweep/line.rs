@@ -1,6 +1,6 @@
 //! The surface of one level along one line, exact at its crossings of the grid.
 
-use super::grid::{Grid, NEVER_M};
+use super::grid::{ABSENT_M, Grid};
 use super::ray::Ray;
 
 /// A line `y = intercept + minor · x` in metres from a common centre: `x` grows along the azimuth's major
@@ -94,7 +94,9 @@ impl<'a> Placed<'a> {
                     push(middle_x, 0.5 * (height_m + far_m) + bulge_m);
                 }
             }
-            push(x, height_m);
+            if height_m > ABSENT_M {
+                push(x, height_m);
+            }
             farther = Some((x, height_m));
         }
     }
@@ -120,7 +122,7 @@ impl<'a> Placed<'a> {
     fn bulge_m(&self, along: f64, v: f64, run_m: f64) -> f32 {
         let (a, b) = (along.max(0.0) as usize, v.max(0.0) as usize);
         let corners = [(a, b), (a + 1, b), (a, b + 1), (a + 1, b + 1)].map(|(a, b)| self.node_m(a, b));
-        if corners.iter().any(|height_m| *height_m <= NEVER_M) {
+        if corners.iter().any(|height_m| *height_m <= ABSENT_M) {
             return 0.0;
         }
         let twist_m = corners[0] - corners[1] - corners[2] + corners[3];

@@ -4,7 +4,7 @@
 //! a table of them serves a whole azimuth. From a suspected distance the slope is climbed to its local
 //! maximum over whole steps; the two steps beside it are then searched exactly, as in `near`.
 
-use super::grid::Grid;
+use super::grid::{Grid, NEVER_M};
 use super::near::larger;
 use super::ray::Ray;
 
@@ -27,6 +27,7 @@ pub struct Profile {
     steps: Vec<Step>,
     sign: isize,
     minor: f64,
+    search_steps: f64,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
 }
@@ -58,31 +59,25 @@ impl Profile {
                 column: on_the_way,
             }
         });
-        Self { steps: steps.collect(), sign: ray.sign, minor: ray.minor, bend: (ray.sign as f64 * ray.minor) as f32 }
+        Self { steps: steps.collect(), sign: ray.sign, minor: ray.minor, search_steps: ray.search_steps, bend: (ray.sign as f64 * ray.minor) as f32 }
     }
 
-    /// Steps from node (u, v) to the end of the grid.
-    fn reach(&self, grid: &Grid, u: isize, v: usize) -> usize {
+    /// Steps from node (u, v) to the end of the grid or of the search.
+    pub fn reach(&self, grid: &Grid, u: isize, v: usize) -> usize {
         let majors = if self.sign > 0 { grid.majors as isize - 1 - u } else { u };
         let minors = if self.minor > 0.0 { grid.minors - 1 - v } else { v };
         let minors = if self.minor == 0.0 { f64::INFINITY } else { minors as f64 / self.minor.abs() };
-        (majors as f64).min(minors + 1e-9) as usize
+        (majors as f64).min(minors + 1e-9).min(self.search_steps) as usize
     }
 
-    /// The steepest slope, per major step, near some of the distances `steps`; `None` if all lie beyond the grid.
-    pub fn slope(&self, grid: &Grid, u: isize, v: usize, observer_m: f32, steps: [usize; 2]) -> Option<f32> {
-        let reach = self.reach(grid, u, v);
-        let at = grid.at(u as usize, v);
-        let view = View { profile: self, grid, at, observer_m, reach };
-        let inside = |n: usize| n >= 1 && n <= reach;
-        let close = steps[0].abs_diff(steps[1]) < 2;
-        match steps.map(inside) {
-            [true, true] if close => Some(view.climb(steps[0])),
-            [true, true] => Some(larger(view.climb(steps[0]), view.climb(steps[1]))),
-            [true, false] => Some(view.climb(steps[0])),
-            [false, true] => Some(view.climb(steps[1])),
-            [false, false] => None,
+    /// The steepest slope, per major step, near some of the distances `steps`, those beyond `reach` moved there.
+    pub fn slope(&self, grid: &Grid, u: isize, v: usize, observer_m: f32, steps: [usize; 2], reach: usize) -> f32 {
+        if reach == 0 {
+            return NEVER_M;
         }
+        let view = View { profile: self, grid, at: grid.at(u as usize, v), observer_m, reach };
+        let [a, b] = steps.map(|step| step.clamp(1, reach));
+        if a.abs_diff(b) < 2 { view.climb(a) } else { larger(view.climb(a), view.climb(b)) }
     }
 }
 
@@ -129,7 +124,20 @@ impl View<'_> {
             }
         }
         best = larger(best, self.inside(top));
-        if top < self.reach { larger(best, self.inside(top + 1)) } else { best }
+        match self.profile.steps.get(top + 1) {
+            Some(_) if top < self.reach => larger(best, self.inside(top + 1)),
+            Some(step) => larger(best, self.last(step)),
+            None => best,
+        }
+    }
+
+    /// The slope to where the line leaves the grid across its last column, before the end of a step.
+    fn last(&self, step: &Step) -> f32 {
+        let stride = self.grid.stride as isize * self.profile.sign;
+        match step.column {
+            Some((node, share, at)) if f64::from(at) <= self.profile.search_steps => self.mix(node, node + stride, share) / at,
+            _ => NEVER_M,
+        }
     }
 
     /// The steepest slope inside the step that ends at `n`.

@@ -2,6 +2,9 @@
 
 use glam::DVec2;
 use perilune::geometry::{Body, Geodetic};
+use perilune::horizon::Settings;
+use perilune::horizon::sweep::Sweep;
+use perilune::horizon::sweep::grid::Major;
 use perilune::terrain::{Face, Gnomonic, Level};
 
 /// A lunar map about the south pole.
@@ -95,4 +98,17 @@ pub fn cratered(nodes: usize, posting_m: f64, seed: u64) -> Face {
         level.heights_m[i] = map.lifted_height_m(at_m, map.radius_m + f64::from(heights_m[i])) as f32;
     }
     face(map, vec![level])
+}
+
+/// The swept elevation of every seen node in one azimuth, `[row][column]`.
+pub fn swept(face: &Face, level: usize, settings: &Settings, direction: DVec2) -> Vec<Vec<f64>> {
+    let major = Major::of(direction);
+    let sweep = Sweep::new(face, level, major, settings);
+    let plane = sweep.elevations_rad(direction);
+    let r = &sweep.receivers;
+    let at = |u: usize, v: usize| f64::from(plane[u * r.stride + v]);
+    match major {
+        Major::Row => (0..r.majors).map(|row| (0..r.minors).map(|column| at(row, column)).collect()).collect(),
+        Major::Column => (0..r.minors).map(|row| (0..r.majors).map(|column| at(column, row)).collect()).collect(),
+    }
 }

@@ -1,0 +1,73 @@
+//! The error of a tile against traced horizons.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::error::{ErrorStatistics, TileErrors};
+use super::fit::Plane;
+use super::pack::HorizonMap;
+use super::settings::Settings;
+use super::sweep::grid::Major;
+use super::trace::Tracer;
+use crate::terrain::{Face, Level};
+
+/// The swept profiles of some pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    azimuths: usize,
+    /// (column, row) in the seen part.
+    pub pixels: Vec<[usize; 2]>,
+    /// `[pixel][azimuth]`.
+    pub elevations_rad: Vec<f32>,
+}
+
+impl Sample {
+    /// About `count` pixels spread evenly over the seen part of a level, gaps left out.
+    pub fn of(level: &Level, count: usize, azimuths: usize) -> Self {
+        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        // The additive recurrence of the plastic number fills a square evenly (Roberts 2018).
+        let plastic = 1.324_717_957_244_746;
+        let spread = |i: usize| {
+            let share = |step: f64, nodes: usize| ((0.5 + i as f64 * step).fract() * nodes as f64) as usize;
+            [share(1.0 / plastic, columns), share(1.0 / (plastic * plastic), rows)]
+        };
+        let known = |[column, row]: &[usize; 2]| !level.gap[level.index(column + level.margin, row + level.margin)];
+        let pixels: Vec<_> = (0..count).map(spread).filter(known).collect();
+        Self { azimuths, elevations_rad: vec![0.0; pixels.len() * azimuths], pixels }
+    }
+
+    /// Keeps what a plane along `major` says about the sampled pixels.
+    pub fn keep(&mut self, plane: &Plane, major: Major) {
+        for (i, [column, row]) in self.pixels.iter().enumerate() {
+            let at = match major {
+                Major::Row => row * plane.stride + column,
+                Major::Column => column * plane.stride + row,
+            };
+            self.elevations_rad[i * self.azimuths + plane.azimuth] = plane.elevations_rad[at];
+        }
+    }
+}
+
+/// Errors of swept profiles and of the map's decoded series, at the sampled pixels and all azimuths.
+pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, map: &HorizonMap) -> TileErrors {
+    let nodes = &face.levels[level];
+    let tracer = Tracer::without_finer(face, level, settings);
+    let errors = |(i, [column, row]): (usize, &[usize; 2])| {
+        let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
+        let series = map.horizon(DVec2::new(*column as f64, *row as f64));
+        let swept = &sample.elevations_rad[i * settings.azimuths..(i + 1) * settings.azimuths];
+        let error = |azimuth: usize| {
+            let direction = settings.direction(azimuth);
+            let traced_rad = tracer.skyline(foot, direction).elevation_rad;
+            if !(f64::from(swept[azimuth]) + traced_rad + series.evaluate_towards(direction).0).is_finite() { println!("{column} {row} {azimuth} {} {traced_rad} {:?}", swept[azimuth], series); }
+            (f64::from(swept[azimuth]) - traced_rad, series.evaluate_towards(direction).0 - traced_rad)
+        };
+        (0..settings.azimuths).map(error).collect::<Vec<_>>()
+    };
+    let errors: Vec<_> = sample.pixels.par_iter().enumerate().map(errors).collect();
+    TileErrors {
+        pixels: sample.pixels.len(),
+        swept: ErrorStatistics::of(errors.iter().flatten().map(|error| error.0)),
+        decoded: ErrorStatistics::of(errors.iter().flatten().map(|error| error.1)),
+    }
+}

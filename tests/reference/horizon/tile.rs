@@ -1,0 +1,141 @@
+//! Horizon tiles: built, stored, read back, resumed, refused.
+
+use std::fs;
+use std::sync::Mutex;
+
+use perilune::horizon::store::{self, Key};
+use perilune::horizon::{Encoding, Error, Settings, build, open_or_build};
+
+use super::scene::cratered;
+
+fn settings() -> Settings {
+    Settings { azimuths: 40, ..Settings::default() }
+}
+
+#[test]
+fn a_tile_read_back_is_the_tile_that_was_built() {
+    let directory = tempfile::tempdir().unwrap();
+    let face = cratered(101, 20.0, 1);
+    for encoding in [Encoding::Fm16, Encoding::F16] {
+        let built = build(&face, 0, &settings(), encoding, directory.path(), &|_, _| ()).unwrap();
+        let key = Key::of(&face, 0, &settings(), encoding);
+        let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
+        assert!(read == built);
+        assert_eq!(header.key, key);
+        assert!(built.errors.swept.p95_rad.to_degrees() < 0.01);
+        assert!(built.errors.decoded.rms_rad > built.errors.swept.rms_rad);
+        assert_eq!(built.levels.iter().map(|l| l.columns).collect::<Vec<_>>(), encoding.scales().map(|s| 101_usize.div_ceil(s)));
+    }
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2, "nothing but the tiles is left behind");
+}
+
+#[test]
+fn a_second_run_reuses_the_tile_and_a_changed_height_does_not() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut face = cratered(65, 20.0, 1);
+    let calls = Mutex::new(0);
+    let count = |_: usize, _: usize| *calls.lock().unwrap() += 1;
+    let first = open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    let after_first = *calls.lock().unwrap();
+    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap() == first);
+    assert_eq!(*calls.lock().unwrap(), after_first);
+    face.levels[0].heights_m[7] += 1.0;
+    open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    assert!(*calls.lock().unwrap() > after_first);
+}
+
+#[test]
+fn everything_that_shapes_a_tile_changes_its_key() {
+    let face = cratered(33, 20.0, 1);
+    let base = Key::of(&face, 0, &settings(), Encoding::Fm16);
+    let mut keys = vec![base, Key::of(&face, 0, &settings(), Encoding::F16)];
+    for settings in [
+        Settings { azimuths: 41, ..settings() },
+        Settings { observer_height_m: 2.0, ..settings() },
+        Settings { search_m: Some(1e4), ..settings() },
+    ] {
+        keys.push(Key::of(&face, 0, &settings, Encoding::Fm16));
+    }
+    let change = |edit: &dyn Fn(&mut perilune::terrain::Face)| {
+        let mut face = face.clone();
+        edit(&mut face);
+        Key::of(&face, 0, &settings(), Encoding::Fm16)
+    };
+    keys.push(change(&|face| face.levels[0].heights_m[0] += 0.01));
+    keys.push(change(&|face| face.levels[0].gap[3] = true));
+    keys.push(change(&|face| face.levels[0].margin = 1));
+    keys.push(change(&|face| face.levels[0].posting_m = 21.0));
+    keys.push(change(&|face| face.map.radius_m += 1.0));
+    let count = keys.len();
+    keys.sort_by(|a, b| a.as_str().cmp(b.as_str()));
+    keys.dedup();
+    assert_eq!(keys.len(), count);
+}
+
+/// A build killed after some blocks goes on from its checkpoint to the same bytes, and threads do not matter.
+#[test]
+fn threads_do_not_change_a_byte() {
+    let face = cratered(97, 20.0, 4);
+    let bytes = |threads: usize| {
+        let directory = tempfile::tempdir().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ())).unwrap();
+        fs::read(store::path_for(directory.path(), &Key::of(&face, 0, &settings(), Encoding::Fm16))).unwrap()
+    };
+    assert!(bytes(1) == bytes(3));
+}
+
+#[test]
+fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
+    let directory = tempfile::tempdir().unwrap();
+    let face = cratered(65, 20.0, 1);
+    let key = Key::of(&face, 0, &settings(), Encoding::Fm16);
+    let built = build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
+    let path = store::path_for(directory.path(), &key);
+    let whole = fs::read(&path).unwrap();
+
+    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let message = store::read_of(directory.path(), &key).unwrap_err().to_string();
+    assert!(message.contains("truncated") && message.contains("horizon_"), "{message}");
+    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap() == built);
+
+    let other = Key::of(&face, 0, &Settings { azimuths: 48, ..settings() }, Encoding::Fm16);
+    fs::write(store::path_for(directory.path(), &other), &whole).unwrap();
+    assert!(matches!(store::read_of(directory.path(), &other), Err(Error::OtherKey { .. })));
+
+    fs::write(&path, b"not a tiff").unwrap();
+    assert!(matches!(store::read(&path), Err(Error::Decode { .. })));
+    assert!(matches!(store::read(&directory.path().join("absent.tif")), Err(Error::Read { .. })));
+}
+
+#[test]
+fn a_tile_that_cannot_be_written_is_an_error_with_its_path() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("file");
+    fs::write(&file, b"").unwrap();
+    let error = build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ()).unwrap_err();
+    assert!(error.to_string().contains("file/tiles"), "{error}");
+    // A full disk.
+    if std::path::Path::new("/dev/full").exists() {
+        let key = Key::of(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16);
+        let path = store::path_for(directory.path(), &key);
+        std::os::unix::fs::symlink("/dev/full", path.with_extension("tif.writing")).unwrap();
+        let error = build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap_err();
+        assert!(matches!(error, Error::Write { .. }), "{error}");
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let face = cratered(33, 20.0, 1);
+    for settings in [
+        Settings { azimuths: 30, ..settings() },
+        Settings { observer_height_m: -1.0, ..settings() },
+        Settings { observer_height_m: f64::NAN, ..settings() },
+        Settings { search_m: Some(0.0), ..settings() },
+    ] {
+        assert!(build(&face, 0, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).is_err(), "{settings:?}");
+    }
+    assert!(matches!(build(&face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()), Err(Error::NoLevel { .. })));
+}
