@@ -29,7 +29,9 @@ pub fn check_writable(directory: &Path) -> Result<(), DatasetError> {
     }
     fs::create_dir_all(directory).map_err(|source| DatasetError::Create { path: path.clone(), source })?;
     let probe = directory.join(format!("probe{PARTIAL}"));
-    fs::write(&probe, b"probe").and_then(|()| fs::remove_file(&probe)).map_err(|source| DatasetError::Write { path, source })
+    fs::write(&probe, b"probe")
+        .and_then(|()| fs::remove_file(&probe))
+        .map_err(|source| DatasetError::Write { path, source })
 }
 
 pub fn read(path: &Path) -> Result<Vec<u8>, DatasetError> {

@@ -45,7 +45,8 @@ impl Checkpoint {
     pub fn resume(&self, state: &mut State) {
         let Ok(bytes) = fs::read(&self.path) else { return };
         let key = self.key.as_str().as_bytes();
-        let floats = state.sums.groups.iter().map(|group| group.sums.len()).sum::<usize>() + state.sample.elevations_rad.len();
+        let floats =
+            state.sums.groups.iter().map(|group| group.sums.len()).sum::<usize>() + state.sample.elevations_rad.len();
         if bytes.len() != key.len() + 8 + 4 * floats + 32 {
             return;
         }

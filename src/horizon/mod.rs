@@ -13,6 +13,9 @@ pub mod store;
 pub mod sweep;
 pub mod trace;
 
+/// Function `horizon_elevation`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
+pub const SERIES_WGSL: &str = include_str!("series.wgsl");
+
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
 pub use pack::{Encoding, HorizonMap, Texels};

@@ -107,8 +107,10 @@ mod tests {
         for (q, expected_rad) in [(0.1, 0.0021), (0.5, 0.0106), (2.0, 0.043)] {
             let h = |azimuth_rad: f64| (q * azimuth_rad.cos()).max(0.0_f64).atan();
             let series = Series::fit(&samples(3600, h), 15);
-            let worst_rad =
-                (0..3600).map(|i| TAU * f64::from(i) / 3600.0).map(|a| (series.elevation_rad(a) - h(a)).abs()).fold(0.0, f64::max);
+            let worst_rad = (0..3600)
+                .map(|i| TAU * f64::from(i) / 3600.0)
+                .map(|a| (series.elevation_rad(a) - h(a)).abs())
+                .fold(0.0, f64::max);
             // The published figures have two digits.
             assert!((worst_rad / expected_rad - 1.0).abs() < 0.03, "q = {q}: {worst_rad}");
         }

@@ -1,5 +1,5 @@
 // The skyline from packed Fourier coefficients: decode, interpolate, sum. Twin of `series.rs` and `pack.rs`.
-// Needs `horizon_texels: array<vec4u>` in a storage buffer.
+// Needs `fn horizon_texel(index: u32) -> vec4u`, the texel of that number.
 
 // A horizon map in that buffer. Level `l` of 0…3 has texels of (1 << l·halving) pixels a side, row by row from
 // `offset_l` on; rows run up the map.
@@ -43,10 +43,10 @@ fn horizon_coefficients(horizon: HorizonGrid, offset: u32, level: u32, grid: vec
     let low = vec2u(at);
     let high = min(low + 1u, vec2u(columns - 1u, rows - 1u));
     let share = at - floor(at);
-    let south_west = horizon_unpack(horizon_texels[offset + low.y * columns + low.x]);
-    let south_east = horizon_unpack(horizon_texels[offset + low.y * columns + high.x]);
-    let north_west = horizon_unpack(horizon_texels[offset + high.y * columns + low.x]);
-    let north_east = horizon_unpack(horizon_texels[offset + high.y * columns + high.x]);
+    let south_west = horizon_unpack(horizon_texel(offset + low.y * columns + low.x));
+    let south_east = horizon_unpack(horizon_texel(offset + low.y * columns + high.x));
+    let north_west = horizon_unpack(horizon_texel(offset + high.y * columns + low.x));
+    let north_east = horizon_unpack(horizon_texel(offset + high.y * columns + high.x));
     let south = horizon_mix(south_west, south_east, share.x);
     let north = horizon_mix(north_west, north_east, share.x);
     return horizon_mix(south, north, share.y);

@@ -46,7 +46,8 @@ impl Key {
         let mut hash = Sha256::new();
         hash.update(FORMAT_VERSION.to_le_bytes());
         let map = &face.map;
-        let numbers = [map.origin.vector_m().to_array(), [map.radius_m, settings.observer_height_m, settings.search_limit_m()]];
+        let numbers =
+            [map.origin.vector_m().to_array(), [map.radius_m, settings.observer_height_m, settings.search_limit_m()]];
         hash.update(cast_slice::<f64, u8>(numbers.as_flattened()));
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
@@ -238,7 +239,8 @@ fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff
             page.encoder().write_tag(Tag::ImageDescription, description.as_str())?;
             georeference::write_tags(page.encoder(), header)?;
         }
-        let top_down: Vec<u16> = (level.texels.chunks(level.columns).rev()).flat_map(|row| cast_slice(row).to_vec()).collect();
+        let top_down: Vec<u16> =
+            (level.texels.chunks(level.columns).rev()).flat_map(|row| cast_slice(row).to_vec()).collect();
         page.write_data(&top_down)?;
     }
     Ok(())
@@ -273,7 +275,13 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
         }
         levels.push(level);
     }
-    let map = HorizonMap { encoding: header.encoding, columns: header.columns, rows: header.rows, levels, errors: header.errors };
+    let map = HorizonMap {
+        encoding: header.encoding,
+        columns: header.columns,
+        rows: header.rows,
+        levels,
+        errors: header.errors,
+    };
     Ok((header, map))
 }
 

@@ -4,7 +4,7 @@ use hifitime::{Epoch, Unit};
 
 use super::Error;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
-use crate::ephemeris::trajectory::{Elements, Oem, SplineEnds, SpkObject, Trajectory, TwoBody, Waypoints};
+use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
 use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
 use crate::render::{Light, View};
@@ -96,12 +96,7 @@ fn earthshine(
     Ok(light(reference, &earth, irradiance_w_m2))
 }
 
-fn check_clearance(
-    surface: &Surface,
-    index: usize,
-    epoch: Epoch,
-    position: Position<BodyFixed>,
-) -> Result<(), Error> {
+fn check_clearance(surface: &Surface, index: usize, epoch: Epoch, position: Position<BodyFixed>) -> Result<(), Error> {
     let body = &surface.terrain.body;
     let height_m = body.geodetic_from_position(position).height_m;
     let ground_m = body.geodetic_from_position(surface.below(position)).height_m;

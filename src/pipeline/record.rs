@@ -71,22 +71,12 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(
-    scenario: &Scenario,
-    prepared: &Prepared,
-    scene: &Scene,
-    run: &Run,
-    index: usize,
-    image: &Image,
-) -> Facts {
+pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image) -> Facts {
     let exposure = &prepared.exposures[index];
     let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
-        epoch: EpochRecord {
-            tdb_s_past_j2000: exposure.epoch.to_et_seconds(),
-            utc: utc_text(exposure.epoch),
-        },
+        epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
         camera: CameraRecord::opencv(
             [camera.columns as usize, camera.rows as usize],

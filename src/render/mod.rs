@@ -42,7 +42,7 @@ pub enum RenderError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error(
-        "{what} take {needed_mib} MiB in one buffer, the adapter allows {allowed_mib} MiB; \
+        "{what} take {needed_mib} MiB, the adapter allows {allowed_mib} MiB; \
          use a coarser posting or a smaller extent, or --adapter cpu"
     )]
     BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },

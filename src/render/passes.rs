@@ -17,8 +17,8 @@ use super::planes::{Radiometry, Samples};
 use super::{RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::horizon::{Encoding, HorizonMap, SERIES_WGSL};
+use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::terrain::{Face, Ground, Hit, Level, Pyramid, Surface};
 
 /// The pass, as one text: declarations may come in any order.
@@ -53,7 +53,8 @@ struct Prepared {
     heights: Buffer,
     gradients: Buffer,
     maxima: Buffer,
-    texels: Buffer,
+    /// Horizon maps, in pages.
+    texels: [Buffer; PAGES],
     albedos: Buffer,
     levels: Vec<Packed>,
     /// Directions of the rays, in bands of whole pixels.
@@ -123,7 +124,10 @@ impl Prepared {
         let extra = scene.needs_centres() && central.is_none();
         let rays_per_pixel = offsets.len() + usize::from(extra);
         let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
+        let page_bits = page_bits(gpu);
         let mut constants = vec![
+            ("PAGES", pages_needed(&store.texels, page_bits)? as f64),
+            ("PAGE_BITS", f64::from(page_bits)),
             ("RAYS", rays_per_pixel as f64),
             ("SAMPLES", offsets.len() as f64),
             ("CENTRE", centre as f64),
@@ -146,7 +150,7 @@ impl Prepared {
             heights: checked(gpu, "lifted heights", &store.heights_m)?,
             gradients: checked(gpu, "gradients", &store.gradients)?,
             maxima: checked(gpu, "maxima", &store.maxima_m)?,
-            texels: checked(gpu, "horizon maps", &store.texels)?,
+            texels: pages(gpu, &store.texels, page_bits),
             albedos: checked(gpu, "albedos", &store.albedos)?,
             levels: store.levels,
             bands: bands(gpu, scene, &points),
@@ -182,11 +186,14 @@ impl Prepared {
                 &self.heights,
                 &self.gradients,
                 &self.maxima,
-                &self.texels,
                 &self.albedos,
                 &band.rays,
                 &pixels_out,
                 &centres_out,
+                &self.texels[0],
+                &self.texels[1],
+                &self.texels[2],
+                &self.texels[3],
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.
@@ -373,6 +380,29 @@ fn directions(scene: &Scene, rows: std::ops::Range<usize>, points: &[DVec2]) -> 
             })
         })
         .collect()
+}
+
+/// Most bindings of horizon maps, as in the shader.
+const PAGES: usize = 4;
+
+/// Texels of a page, as a power of two, that the adapter takes in one binding.
+fn page_bits(gpu: &Gpu) -> u32 {
+    (gpu.device.limits().max_storage_buffer_binding_size / size_of::<[u32; 4]>() as u64).ilog2().min(31)
+}
+
+fn pages_needed(texels: &[[u32; 4]], page_bits: u32) -> Result<usize, RenderError> {
+    let pages = texels.len().div_ceil(1 << page_bits).max(1);
+    if pages > PAGES {
+        let bytes = |texels: usize| (texels * size_of::<[u32; 4]>()) as u64;
+        let (needed_mib, allowed_mib) = (bytes(texels.len()) >> 20, bytes(PAGES << page_bits) >> 20);
+        return Err(RenderError::BufferTooLarge { what: "horizon maps", needed_mib, allowed_mib });
+    }
+    Ok(pages)
+}
+
+fn pages(gpu: &Gpu, texels: &[[u32; 4]], page_bits: u32) -> [Buffer; PAGES] {
+    let mut chunks = texels.chunks(1 << page_bits);
+    std::array::from_fn(|_| gpu.storage("horizon maps", chunks.next().unwrap_or(&[])))
 }
 
 fn checked<T: bytemuck::Pod>(gpu: &Gpu, what: &'static str, values: &[T]) -> Result<Buffer, RenderError> {

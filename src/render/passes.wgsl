@@ -51,11 +51,15 @@ struct Centre {
 @group(0) @binding(6) var<storage, read> heights_m: array<f32>;
 @group(0) @binding(7) var<storage, read> gradients: array<vec2f>;
 @group(0) @binding(8) var<storage, read> maxima_m: array<f32>;
-@group(0) @binding(9) var<storage, read> horizon_texels: array<vec4u>;
-@group(0) @binding(10) var<storage, read> albedos: array<f32>;
-@group(0) @binding(11) var<storage, read> rays: array<vec2f>;
-@group(0) @binding(12) var<storage, read_write> pixels_out: array<Pixel>;
-@group(0) @binding(13) var<storage, read_write> centres_out: array<Centre>;
+@group(0) @binding(9) var<storage, read> albedos: array<f32>;
+@group(0) @binding(10) var<storage, read> rays: array<vec2f>;
+@group(0) @binding(11) var<storage, read_write> pixels_out: array<Pixel>;
+@group(0) @binding(12) var<storage, read_write> centres_out: array<Centre>;
+// Horizon maps may be larger than one binding: pages of 2^PAGE_BITS texels.
+@group(0) @binding(13) var<storage, read> horizon_page_0: array<vec4u>;
+@group(0) @binding(14) var<storage, read> horizon_page_1: array<vec4u>;
+@group(0) @binding(15) var<storage, read> horizon_page_2: array<vec4u>;
+@group(0) @binding(16) var<storage, read> horizon_page_3: array<vec4u>;
 
 // Rays of each pixel, how many of them (the first ones) are samples, and which one goes through the
 // centre (RAYS where none is wanted).
@@ -66,6 +70,23 @@ override FACES: u32;
 override LIGHTS: u32;
 override HORIZONS: bool;
 override ALBEDO_MAP: bool;
+override PAGES: u32;
+override PAGE_BITS: u32;
+
+fn horizon_texel(index: u32) -> vec4u {
+    let within = index & ((1u << PAGE_BITS) - 1u);
+    let page = index >> PAGE_BITS;
+    if PAGES == 1u || page == 0u {
+        return horizon_page_0[within];
+    }
+    if PAGES == 2u || page == 1u {
+        return horizon_page_1[within];
+    }
+    if PAGES == 3u || page == 2u {
+        return horizon_page_2[within];
+    }
+    return horizon_page_3[within];
+}
 
 // A place on the ground with all that lighting needs, in the axes of `frame` (a map, or FACES: the body).
 struct Facet {

@@ -34,8 +34,14 @@ impl Quantity {
     pub fn is_geometric(self) -> bool {
         use Quantity::*;
         match self {
-            Radiance | GroundIrradiance | RadianceFactor | FocalPlaneIrradiance | DigitalNumber
-            | NoiseFreeDigitalNumber | SunFraction | Hit => false,
+            Radiance
+            | GroundIrradiance
+            | RadianceFactor
+            | FocalPlaneIrradiance
+            | DigitalNumber
+            | NoiseFreeDigitalNumber
+            | SunFraction
+            | Hit => false,
             DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence | Emission | Phase
             | GroundSampleDistance => true,
         }
@@ -51,9 +57,9 @@ pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
                 vec![digital_numbers(scene, view, quantity, samples)]
             }
             _ if quantity.is_geometric() => geometric_channels(scene, view, quantity, samples),
-            _ => vec![by_pixel(scene, |index, pixel| {
-                radiometric(scene, view, quantity, pixel, &samples.pixels[index])
-            })],
+            _ => {
+                vec![by_pixel(scene, |index, pixel| radiometric(scene, view, quantity, pixel, &samples.pixels[index]))]
+            }
         };
         let named = quantity.channels().iter().zip(channels);
         named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
@@ -69,9 +75,8 @@ fn by_pixel<T: Send>(scene: &Scene, value: impl Fn(usize, DVec2) -> T + Sync) ->
 }
 
 fn geometric_channels(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<Vec<f32>> {
-    let values = by_pixel(scene, |index, pixel| {
-        geometric(scene, view, quantity, pixel, samples.centres[index].as_ref())
-    });
+    let values =
+        by_pixel(scene, |index, pixel| geometric(scene, view, quantity, pixel, samples.centres[index].as_ref()));
     (0..quantity.channels().len()).map(|channel| values.iter().map(|value| value[channel]).collect()).collect()
 }
 

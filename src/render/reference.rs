@@ -131,7 +131,13 @@ struct Lit {
     fraction: f64,
 }
 
-fn illuminate(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, normal: Direction<BodyFixed>, light: &Light) -> Lit {
+fn illuminate(
+    scene: &Scene,
+    shadow: Option<&dyn Shadow>,
+    hit: &Hit,
+    normal: Direction<BodyFixed>,
+    light: &Light,
+) -> Lit {
     let Some(towards) = hit.position.direction_to(light.position) else {
         return Lit { irradiance: 0.0, fraction: 0.0 };
     };

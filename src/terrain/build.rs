@@ -82,7 +82,7 @@ pub fn build_face(
     dems: &[NestedDem],
     max_nodes_per_side: usize,
 ) -> Result<(Face, Vec<ResamplingError>), Error> {
-    let map = Gnomonic::about(body, centre);
+    let map = aligned(body, centre, dems)?;
     let grids = grid::plan(body, &map, dems)?;
     let mut levels: Vec<Level> = Vec::new();
     let mut errors = Vec::new();
@@ -113,6 +113,22 @@ pub fn build_face(
     }
     errors.reverse();
     Ok((Face { map, levels }, errors))
+}
+
+/// The map about `centre`, turned so that up on it is up the columns of the finest model: levels then cover the
+/// models' pixels without corners to spare.
+fn aligned(body: &Body, centre: Geodetic, dems: &[NestedDem]) -> Result<Gnomonic, Error> {
+    let map = Gnomonic::about(body, centre);
+    let Some(finest) = dems.first() else { return Ok(map) };
+    let at = body.position_from_geodetic(centre);
+    let pixel = finest.dem.georeference.projector()?.pixels(&[at])[0];
+    let points = finest.dem.points(body, &[pixel, pixel - DVec2::Y])?;
+    let on_map = |point: &Position<BodyFixed>| map.lifted_from_body(*point).map(|lifted| lifted.truncate());
+    let Some((here, above)) = on_map(&points[0]).zip(on_map(&points[1])) else { return Ok(map) };
+    let up = (above - here).normalize_or_zero();
+    // Rounding is no reason to leave the model's own grid.
+    let is_up = up.x.abs() < 1e-9 && up.y > 0.0;
+    Ok(if is_up || !up.is_finite() { map } else { map.turned_to(up) })
 }
 
 /// Six faces of a cube about the body's centre, the first about `centre`, from one model of the whole

@@ -46,6 +46,13 @@ impl Gnomonic {
         Self { origin: Position::from_m(origin_m), map_from_body: Rotation::from_matrix(local_from_body), radius_m }
     }
 
+    /// The same map turned about its centre, so that `up_m` (a direction on this map) points up.
+    pub fn turned_to(self, up_m: DVec2) -> Self {
+        let Some(up) = up_m.try_normalize() else { return self };
+        let turn = Rotation::<Map, Map>::from_axes(DVec3::new(up.y, -up.x, 0.0), DVec3::new(up.x, up.y, 0.0), DVec3::Z);
+        Self { map_from_body: turn * self.map_from_body, ..self }
+    }
+
     /// The six maps of a cube about the body's centre, the first of them about `centre`: each covers
     /// `|X|, |Y| ≤ R`, and neighbours share the heights along their edges.
     pub fn cube(body: &Body, centre: Geodetic) -> [Self; 6] {
@@ -214,10 +221,9 @@ mod tests {
     fn the_normal_of_level_ground_is_up_wherever_on_the_map() {
         let at = DVec2::new(150_000.0, -90_000.0);
         let height = |at: DVec2| map().lifted_height_m(at, 1_737_400.0);
-        let gradient = DVec2::new(
-            height(at + DVec2::X) - height(at - DVec2::X),
-            height(at + DVec2::Y) - height(at - DVec2::Y),
-        ) / 2.0;
+        let gradient =
+            DVec2::new(height(at + DVec2::X) - height(at - DVec2::X), height(at + DVec2::Y) - height(at - DVec2::Y))
+                / 2.0;
         let normal = map().normal(at.extend(height(at)), gradient);
         assert!(normal.angle_to(map().up(at)) < 1e-6);
     }

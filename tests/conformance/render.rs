@@ -7,7 +7,7 @@ use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
 use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
-use perilune::terrain::{Face, Ground, Gnomonic, Level, Surface, Terrain};
+use perilune::terrain::{Face, Gnomonic, Ground, Level, Surface, Terrain};
 
 /// A level with the radius `radius_m(map direction)`, margin included.
 fn level(map: &Gnomonic, posting_m: f64, half: usize, margin: usize, height_m: &dyn Fn(DVec3) -> f64) -> Level {
@@ -113,7 +113,8 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let moon = Body::moon();
     let at = |lat, lon, h| Geodetic::from_degrees(lat, lon, h);
     let bare = || Terrain { body: Body::moon(), faces: vec![] };
-    let mars = Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
+    let mars =
+        Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
     let oblate = Terrain { body: mars.clone(), faces: vec![] };
     vec![
         ("nested, oblique", scene(nested(), 50.0), view(&moon, at(-87.8, 24.0, 4000.0), at(-88.0, 25.0, 0.0), 3.0)),
@@ -144,11 +145,13 @@ fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
         // Below a ten-thousandth of sunlit ground's radiance a relative bound means nothing.
         p.is_nan() && q.is_nan() || (p - q).abs() <= 1e-3 * p.abs().max(q.abs()) + 1e-4
     };
-    let kind = |samples: &Samples, pixel: usize| samples.centres[pixel].map(|hit| match hit.ground {
-        Ground::Dem { level, .. } => level,
-        Ground::Gap => 100,
-        Ground::Bare => 101,
-    });
+    let kind = |samples: &Samples, pixel: usize| {
+        samples.centres[pixel].map(|hit| match hit.ground {
+            Ground::Dem { level, .. } => level,
+            Ground::Gap => 100,
+            Ground::Bare => 101,
+        })
+    };
     let mut ranges: Vec<f64> = (0..a.centres.len())
         .filter_map(|pixel| Some((a.centres[pixel]?.distance_m, b.centres[pixel]?.distance_m)))
         .map(|(p, q)| (p / q - 1.0).abs())
@@ -165,7 +168,8 @@ fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
 fn at_depth_edge(scene: &Scene, samples: &Samples, pixel: usize) -> bool {
     let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let (column, row) = (pixel % columns, pixel / columns);
-    let range = |c: usize, r: usize| samples.centres[r * columns + c].map(|hit| (hit.distance_m, hit.ground == Ground::Gap));
+    let range =
+        |c: usize, r: usize| samples.centres[r * columns + c].map(|hit| (hit.distance_m, hit.ground == Ground::Gap));
     let here = range(column, row);
     let neighbours = (row.saturating_sub(1)..=(row + 1).min(rows - 1))
         .flat_map(|r| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).map(move |c| (c, r)));

@@ -24,7 +24,10 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
         assert_eq!(header.key, key);
         assert!(built.errors.swept.p95_rad.to_degrees() < 0.01);
         assert!(built.errors.decoded.rms_rad > built.errors.swept.rms_rad);
-        assert_eq!(built.levels.iter().map(|l| l.columns).collect::<Vec<_>>(), encoding.scales().map(|s| 101_usize.div_ceil(s)));
+        assert_eq!(
+            built.levels.iter().map(|l| l.columns).collect::<Vec<_>>(),
+            encoding.scales().map(|s| 101_usize.div_ceil(s))
+        );
     }
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2, "nothing but the tiles is left behind");
 }
@@ -113,14 +116,16 @@ fn a_tile_that_cannot_be_written_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("file");
     fs::write(&file, b"").unwrap();
-    let error = build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ()).unwrap_err();
+    let error =
+        build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ()).unwrap_err();
     assert!(error.to_string().contains("file/tiles"), "{error}");
     // A full disk.
     if std::path::Path::new("/dev/full").exists() {
         let key = Key::of(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16);
         let path = store::path_for(directory.path(), &key);
         std::os::unix::fs::symlink("/dev/full", path.with_extension("tif.writing")).unwrap();
-        let error = build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap_err();
+        let error =
+            build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap_err();
         assert!(matches!(error, Error::Write { .. }), "{error}");
     }
 }
@@ -137,5 +142,8 @@ fn settings_out_of_range_are_refused() {
     ] {
         assert!(build(&face, 0, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).is_err(), "{settings:?}");
     }
-    assert!(matches!(build(&face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()), Err(Error::NoLevel { .. })));
+    assert!(matches!(
+        build(&face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()),
+        Err(Error::NoLevel { .. })
+    ));
 }
