@@ -99,7 +99,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     };
     let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
     let frame = BodyFrame { body: scenario.body.clone(), ..named };
-    let ground = ground::surface(scenario, &frame.body, cache, progress)?;
+    let ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     Ok(Prepared { almanac, frame, ground, exposures })
 }
@@ -123,7 +123,12 @@ pub fn scene(
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
-        scenario::Shadows::Fourier => Shadows::Fourier(ground::horizons(&ground.surface, &settings, cache, progress)?),
+        scenario::Shadows::Fourier => {
+            let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
+            let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+            let silent = |_: &ground::Tile| Ok::<_, Error>(());
+            Shadows::Fourier(ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)?)
+        }
     };
     Ok(Scene {
         surface: ground.surface.clone(),

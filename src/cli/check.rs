@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use perilune::scenario::{self, ScenarioError};
 use serde_json::json;
 
-use super::{Outcome, about};
+use super::{Outcome, about, say};
 
 /// Check a scenario without running it: report all that is wrong with it, each with line and column.
 #[derive(Debug, clap::Args)]
@@ -23,9 +23,9 @@ pub struct Args {
 pub fn run(args: Args) -> Outcome {
     let checked = scenario::load(&args.scenario, &args.data, &about);
     if args.json {
-        println!("{:#}", report(&checked));
+        say(format_args!("{:#}", report(&checked)))?;
     } else if let Ok(scenario) = &checked {
-        println!("{}: {} exposures, no problems", scenario.path.display(), scenario.exposures.len());
+        say(format_args!("{}: {} exposures, no problems", scenario.path.display(), scenario.exposures.len()))?;
     }
     match checked {
         Ok(_) => Ok(()),

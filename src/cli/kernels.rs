@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use perilune::ephemeris::{Kernel, Kind, default_span, make_default_kernels, parse_epoch, utc_text};
 use serde_json::json;
 
-use super::Outcome;
+use super::{Outcome, say};
 
 /// Make the default kernels and list what a kernel covers.
 #[derive(Debug, clap::Args)]
@@ -43,16 +43,16 @@ pub fn run(args: Args) -> Outcome {
         Command::Make { from, until, output } => {
             for path in make_default_kernels(&output, parse_epoch(&from)?, parse_epoch(&until)?)? {
                 let kernel = Kernel::open(&path)?;
-                println!("{}  {} bytes  sha256 {}", path.display(), std::fs::metadata(&path)?.len(), kernel.sha256);
+                say(format_args!("{}  {} bytes  sha256 {}", path.display(), std::fs::metadata(&path)?.len(), kernel.sha256))?;
             }
         }
         Command::List { files, json } => {
             for path in files {
                 let kernel = Kernel::open(&path)?;
                 if json {
-                    println!("{}", as_json(&kernel));
+                    say(as_json(&kernel))?;
                 } else {
-                    println!("{}", kernel.describe().join("\n"));
+                    say(kernel.describe().join("\n"))?;
                 }
             }
         }

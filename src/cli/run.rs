@@ -7,7 +7,7 @@ use perilune::pipeline::{self, AdapterChoice, Options, Report};
 use perilune::scenario;
 
 use super::bars::Bars;
-use super::{Outcome, about};
+use super::{Outcome, about, say};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
 #[derive(Debug, clap::Args)]
@@ -75,23 +75,24 @@ pub fn run(args: Args) -> Outcome {
     let report = pipeline::run(&scenario, &options, &bars)?;
     bars.clear();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        say(serde_json::to_string_pretty(&report)?)?;
     } else {
-        print(&report);
+        print(&report)?;
     }
     Ok(())
 }
 
-fn print(report: &Report) {
+fn print(report: &Report) -> Outcome {
     let Report { output, adapter, exposures, rendered, seconds, .. } = report;
-    println!("{exposures} exposures in {}, {rendered} of them rendered now", output.display());
-    println!("rendered by {adapter}");
-    println!(
+    say(format_args!("{exposures} exposures in {}, {rendered} of them rendered now", output.display()))?;
+    say(format_args!("rendered by {adapter}"))?;
+    say(format_args!(
         "terrain {:.1} s, horizons {:.1} s, rendering {:.1} s ({:.2} s an exposure), previews {:.1} s",
         seconds.terrain,
         seconds.horizons,
         seconds.rendering,
         seconds.rendering / (*rendered).max(1) as f64,
         seconds.writing_after
-    );
+    ))?;
+    Ok(())
 }

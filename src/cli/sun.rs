@@ -11,7 +11,7 @@ use perilune::geometry::{BodyFixed, Geodetic, Position};
 use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
 
-use super::Outcome;
+use super::{Outcome, say};
 
 /// Where the Sun and the Earth stand in the sky of a place.
 #[derive(Debug, clap::Args)]
@@ -67,18 +67,18 @@ pub fn run(args: Args) -> Outcome {
         .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
         .collect::<Result<_, _>>()?;
     if args.csv {
-        println!("{}", COLUMNS.join(","));
+        say(COLUMNS.join(","))?;
     } else if !args.json {
-        println!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at));
-        println!("{}", table_header());
+        say(format_args!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at)))?;
+        say(table_header())?;
     }
     for row in rows {
         if args.json {
-            println!("{}", row.as_json(&frame));
+            say(row.as_json(&frame))?;
         } else if args.csv {
-            println!("{}", row.as_csv());
+            say(row.as_csv())?;
         } else {
-            println!("{}", row.as_table_line());
+            say(row.as_table_line())?;
         }
     }
     Ok(())

@@ -10,7 +10,7 @@ use perilune::geometry::{Body, Geodetic};
 use perilune::raster;
 use perilune::terrain::synthetic::{self, Parameters};
 
-use super::Outcome;
+use super::{Outcome, say};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
 #[derive(Debug, clap::Args)]
@@ -109,10 +109,10 @@ pub fn run(args: Args) -> Outcome {
             "lowest_m": lowest_m, "highest_m": highest_m,
             "crs": terrain.crs, "seed": parameters.seed,
         });
-        println!("{}", serde_json::to_string_pretty(&written)?);
+        say(serde_json::to_string_pretty(&written)?)?;
     } else {
-        println!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display());
-        println!("{}: {} craters", table.display(), terrain.craters.len());
+        say(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
+        say(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
     }
     Ok(())
 }

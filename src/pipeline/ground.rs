@@ -1,22 +1,22 @@
 //! From the scenario's elevation models to the surface and its horizons.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
-use crate::horizon::{self, HorizonMap};
+use crate::horizon::store::{self, Key};
+use crate::horizon::{self, Encoding, HorizonMap};
 use crate::raster::{self, Dem};
-use crate::scenario::{self, Scenario};
+use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Parameters};
 use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
 const CUBE_MARGIN_M: f64 = 300_000.0;
-
-/// The one encoding that scenarios know.
-const ENCODING: horizon::Encoding = horizon::Encoding::Fm16;
 
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
@@ -30,8 +30,13 @@ pub struct Ground {
 }
 
 /// Opens (or makes) the DEMs and lifts them onto levels.
-pub fn surface(scenario: &Scenario, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Ground, Error> {
-    let Some(terrain) = &scenario.terrain else {
+pub fn surface(
+    terrain: Option<&scenario::Terrain>,
+    body: &Body,
+    cache: &Path,
+    progress: &dyn Progress,
+) -> Result<Ground, Error> {
+    let Some(terrain) = terrain else {
         let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
@@ -133,25 +138,46 @@ fn synthetic_file(
     Ok(path)
 }
 
-/// Horizon maps of all levels, by face, from tiles that are built where they are not there yet.
-pub fn horizons(
+/// A horizon tile that is ready.
+#[derive(Debug)]
+pub struct Tile<'a> {
+    pub face: usize,
+    pub level: usize,
+    pub path: PathBuf,
+    pub map: &'a HorizonMap,
+    /// What building took; `None` where the tile was there.
+    pub built_s: Option<f64>,
+}
+
+/// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
+/// is told to `finished`.
+pub fn horizons<E: From<Error>>(
     surface: &Surface,
     settings: &horizon::Settings,
-    cache: &Path,
+    encoding: Encoding,
+    folder: &Path,
     progress: &dyn Progress,
-) -> Result<Vec<Vec<HorizonMap>>, Error> {
-    let folder = cache.join("horizon");
+    mut finished: impl FnMut(&Tile) -> Result<(), E>,
+) -> Result<Vec<Vec<HorizonMap>>, E> {
     let faces = &surface.terrain.faces;
     let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
     let mut tile = 0;
     let mut maps = Vec::new();
-    for face in faces {
+    for (index, face) in faces.iter().enumerate() {
         let mut levels = Vec::new();
         for level in 0..face.levels.len() {
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
-            let heard = |done: usize, total: usize| progress.at(done, total);
-            levels.push(horizon::open_or_build(face, level, settings, ENCODING, &folder, &heard)?);
+            let (start, built) = (Instant::now(), AtomicBool::new(false));
+            let heard = |done: usize, total: usize| {
+                built.store(true, Ordering::Relaxed);
+                progress.at(done, total);
+            };
+            let map = horizon::open_or_build(face, level, settings, encoding, folder, &heard).map_err(Error::from)?;
+            let path = store::path_for(folder, &Key::of(face, level, settings, encoding));
+            let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
+            finished(&Tile { face: index, level, path, map: &map, built_s })?;
+            levels.push(map);
         }
         maps.push(levels);
     }

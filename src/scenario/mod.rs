@@ -13,7 +13,6 @@
 //! check (`structure.rs`) and to the printed reference (`reference.rs`).
 
 mod camera;
-mod epoch;
 mod error;
 mod files;
 mod motion;
