@@ -68,59 +68,10 @@ fn lines(error: &(dyn Error + 'static)) -> Vec<String> {
     if error.is::<ScenarioError>() || error.is::<cli::Problems>() {
         return error.to_string().lines().map(String::from).collect();
     }
-    vec![chain(error)]
+    vec![cli::chain(error)]
 }
 
 /// The reader has seen enough, as in `sim schema | head`.
 fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
     error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
-}
-
-/// An error and its causes on one line; what an error quotes of its cause is not said again.
-pub fn chain(error: &dyn Error) -> String {
-    let causes = std::iter::successors(error.source(), |cause: &&dyn Error| (*cause).source());
-    causes.fold(one_line(error), |line, cause| match one_line(cause) {
-        cause if line.contains(&cause) => line,
-        cause => format!("{line}: {cause}"),
-    })
-}
-
-/// Other libraries break their messages.
-fn one_line(error: &dyn Error) -> String {
-    error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(Debug, Clone)]
-    struct Said(&'static str, Option<Box<Said>>);
-
-    impl std::fmt::Display for Said {
-        fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            f.write_str(self.0)
-        }
-    }
-
-    impl Error for Said {
-        fn source(&self) -> Option<&(dyn Error + 'static)> {
-            self.1.as_ref().map(|cause| cause.as_ref() as _)
-        }
-    }
-
-    #[test]
-    fn no_cause_is_said_twice() {
-        let full = || Box::new(Said("no space left", None));
-        assert_eq!(chain(&Said("cannot write a", Some(full()))), "cannot write a: no space left");
-        assert_eq!(chain(&Said("cannot write a: no space left", Some(full()))), "cannot write a: no space left");
-        let middle = Box::new(Said("cannot write a", Some(full())));
-        assert_eq!(chain(&Said("run", Some(middle.clone()))), "run: cannot write a: no space left");
-        assert_eq!(chain(&Said("run: cannot write a", Some(middle))), "run: cannot write a: no space left");
-    }
-
-    #[test]
-    fn an_error_is_one_line() {
-        assert_eq!(chain(&Said("a\n  b", None)), "a b");
-    }
 }

@@ -1,11 +1,52 @@
 //! `sim horizon`.
 
+mod build;
+mod levels;
+mod plot;
+mod query;
+mod verify;
+
 use super::Outcome;
 
 /// Build, verify and query horizon tiles.
+///
+/// A tile holds the skyline around every node of a map, as a Fourier series over azimuth. `sim run` builds the tiles
+/// it needs by itself; build them here to look at them, or ahead of a run.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    // The struct is told from others of its name by its group.
+    #[command(flatten)]
+    build: Option<build::Args>,
+}
 
-pub fn run(_args: Args) -> Outcome {
-    Err("not built yet".into())
+const EXAMPLES: &str = "\
+Examples:
+  sim terrain -o ridge.tif --columns 256 --rows 256
+  sim horizon ridge.tif -o tiles                        a tile of one DEM
+  sim horizon fine.tif wide.tif -o tiles --extent 8000  8 km of the fine one, within the wide one
+  sim horizon moon.tif -o tiles --cube --posting 4000   the whole body, on six maps
+  sim horizon verify tiles/horizon_0123456789abcdef.tif ridge.tif
+  sim horizon query tiles/horizon_0123456789abcdef.tif --at -89,0 --plot skyline.svg ridge.tif";
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    Verify(verify::Args),
+    Query(query::Args),
+}
+
+pub fn run(args: Args) -> Outcome {
+    match (args.command, args.build) {
+        (Some(Command::Verify(args)), _) => verify::run(args),
+        (Some(Command::Query(args)), _) => query::run(args),
+        (None, Some(args)) => build::run(args),
+        (None, None) => Err("no DEM is given".into()),
+    }
+}
+
+/// A place in degrees, for messages.
+fn degrees(point: perilune::geometry::Geodetic) -> String {
+    format!("{:.6},{:.6}", point.latitude_rad.to_degrees(), point.longitude_east_rad.to_degrees())
 }

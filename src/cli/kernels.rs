@@ -43,7 +43,12 @@ pub fn run(args: Args) -> Outcome {
         Command::Make { from, until, output } => {
             for path in make_default_kernels(&output, parse_epoch(&from)?, parse_epoch(&until)?)? {
                 let kernel = Kernel::open(&path)?;
-                say(format_args!("{}  {} bytes  sha256 {}", path.display(), std::fs::metadata(&path)?.len(), kernel.sha256))?;
+                say(format_args!(
+                    "{}  {} bytes  sha256 {}",
+                    path.display(),
+                    std::fs::metadata(&path)?.len(),
+                    kernel.sha256
+                ))?;
             }
         }
         Command::List { files, json } => {

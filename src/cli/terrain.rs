@@ -10,7 +10,7 @@ use perilune::geometry::{Body, Geodetic};
 use perilune::raster;
 use perilune::terrain::synthetic::{self, Parameters};
 
-use super::{Outcome, say};
+use super::{Outcome, place, say};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
 #[derive(Debug, clap::Args)]
@@ -71,17 +71,6 @@ impl From<Projection> for synthetic::Projection {
             Projection::Equirectangular => Self::Equirectangular,
             Projection::Orthographic => Self::Orthographic,
         }
-    }
-}
-
-/// `LAT,LON` in degrees.
-fn place(text: &str) -> Result<Geodetic, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
-    match numbers[..] {
-        [latitude_deg, longitude_deg] if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 => {
-            Ok(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0))
-        }
-        _ => Err("want a latitude in [-90, 90] and a longitude in [-360, 360], as in -89.5,120".into()),
     }
 }
 

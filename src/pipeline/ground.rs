@@ -95,13 +95,18 @@ fn middle(dem: &Dem) -> Result<Geodetic, Error> {
     Ok(Geodetic { height_m: 0.0, ..point })
 }
 
-fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Dem, Error> {
+/// Whether a DEM is a file, or a synthetic one that was made already.
+pub fn is_there(written: &scenario::Dem, body: &Body, cache: &Path) -> bool {
+    synthetic_parameters(written).is_none_or(|parameters| synthetic_path(body, &parameters, cache).is_file())
+}
+
+/// Opens one DEM, or makes it.
+pub fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Dem, Error> {
     let (path, values, posting_m) = match written {
         scenario::Dem::File { path, values, posting_m, .. } => (path.clone(), *values, *posting_m),
         scenario::Dem::Cube { path, values, posting_m } => (path.clone(), *values, *posting_m),
-        &scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } => {
-            let parameters =
-                Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) };
+        scenario::Dem::Synthetic { .. } => {
+            let parameters = synthetic_parameters(written).expect("it is synthetic");
             (synthetic_file(body, &parameters, cache, progress)?, scenario::Values::Height, None)
         }
     };
@@ -114,16 +119,26 @@ fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progr
     Ok(Dem::open(&path, body, &raster::Options { values, posting_m, ..Default::default() })?)
 }
 
-/// A synthetic terrain's file, made where it is not there yet. Its name holds all that shapes it.
+fn synthetic_parameters(written: &scenario::Dem) -> Option<Parameters> {
+    let &scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } = written else { return None };
+    Some(Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) })
+}
+
+/// Its name holds all that shapes it.
+fn synthetic_path(body: &Body, parameters: &Parameters, cache: &Path) -> PathBuf {
+    let shape = format!("{} {body:?} {parameters:?}", env!("CARGO_PKG_VERSION"));
+    let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+    cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
+}
+
+/// A synthetic terrain's file, made where it is not there yet.
 fn synthetic_file(
     body: &Body,
     parameters: &Parameters,
     cache: &Path,
     progress: &dyn Progress,
 ) -> Result<PathBuf, Error> {
-    let shape = format!("{} {body:?} {parameters:?}", env!("CARGO_PKG_VERSION"));
-    let key = crate::ephemeris::sha256_hex(shape.as_bytes());
-    let path = cache.join("terrain").join(format!("highland-{}.tif", &key[..16]));
+    let path = synthetic_path(body, parameters, cache);
     if path.is_file() {
         return Ok(path);
     }
