@@ -17,9 +17,8 @@ use super::Outcome;
 pub struct Args {
     #[command(subcommand)]
     command: Option<Command>,
-    // The struct is told from others of its name by its group.
     #[command(flatten)]
-    build: Option<build::Args>,
+    build: build::Args,
 }
 
 const EXAMPLES: &str = "\
@@ -38,11 +37,10 @@ enum Command {
 }
 
 pub fn run(args: Args) -> Outcome {
-    match (args.command, args.build) {
-        (Some(Command::Verify(args)), _) => verify::run(args),
-        (Some(Command::Query(args)), _) => query::run(args),
-        (None, Some(args)) => build::run(args),
-        (None, None) => Err("no DEM is given".into()),
+    match args.command {
+        Some(Command::Verify(args)) => verify::run(args),
+        Some(Command::Query(args)) => query::run(args),
+        None => build::run(args.build),
     }
 }
 

@@ -21,8 +21,9 @@ pub struct Args {
     #[arg(required = true, value_name = "DEM")]
     dems: Vec<PathBuf>,
     /// Directory of the tiles; a tile that is there already is kept
+    // Required, but not beside a subcommand.
     #[arg(short, long, value_name = "DIR", required = true)]
-    output: PathBuf,
+    output: Option<PathBuf>,
     /// Centre of the map, in degrees [default: the middle of the first DEM]
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     at: Option<Geodetic>,
@@ -62,6 +63,7 @@ impl From<Encoding> for horizon::Encoding {
 }
 
 pub fn run(args: Args) -> Outcome {
+    let output = args.output.ok_or("no directory for the tiles is given: --output DIR")?;
     let bars = Bars::new();
     let ground = args.levels.ground(&args.dems, args.at, &bars)?;
     ground.resampling.iter().for_each(|line| bars.say(line));
@@ -77,7 +79,7 @@ pub fn run(args: Args) -> Outcome {
         all.push(facts);
         Ok(())
     };
-    ground::horizons(&ground.surface, &settings, args.encoding.into(), &args.output, &bars, finished)?;
+    ground::horizons(&ground.surface, &settings, args.encoding.into(), &output, &bars, finished)?;
     bars.clear();
     if args.json {
         say(format_args!("{:#}", Json::from(all)))?;
