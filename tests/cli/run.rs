@@ -227,7 +227,7 @@ fn check_looks_at_kernels_and_poses_without_making_terrain() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["problems"].as_array().unwrap().len(), 4);
 
-    let late = Run::of(&SMALL.replace("2026-11-06", "2039-12-31").replace("step_s: 10", "step_s: 86400"));
+    let late = Run::of(&SMALL.replace("2026-11-06", "2041-01-07").replace("step_s: 10", "step_s: 86400"));
     let late = Run::of(&std::fs::read_to_string(late.path("small.ron")).unwrap().replace("t_s: 30", "t_s: 300000"));
     let output = check(&late, &[]);
     let said = String::from_utf8(output.stderr).unwrap();
