@@ -126,7 +126,7 @@ impl<'a> Far<'a> {
             if from >= to {
                 continue;
             }
-            let lane = ((1.0 - share) * LINES as f64).ceil() as usize - 1;
+            let lane = (((1.0 - share) * LINES as f64).ceil() as usize).saturating_sub(1);
             let weight = (1.0 - ((1.0 - share) * LINES as f64 - lane as f64)) as f32;
             let x = self.x_m(u) as f32;
             let start = row * r.stride;
@@ -275,7 +275,9 @@ impl Beyond {
 
 /// Whole part and the rest.
 fn split(v: f64) -> (isize, f64) {
-    let low = v as isize - isize::from(v < 0.0);
+    // `floor` is a call on targets without SSE 4.1.
+    let whole = v as isize;
+    let low = whole - isize::from(whole as f64 > v);
     (low, v - low as f64)
 }
 
