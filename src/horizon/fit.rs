@@ -177,7 +177,8 @@ mod tests {
         let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
         let planes = planes(columns, rows, 64);
         sums.add(&planes);
-        let map = HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
+        let map =
+            HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
         for (column, row) in [(0, 0), (10, 8), (4, 5)] {
             let profile: Vec<_> = planes.iter().map(|p| f64::from(p.elevations_rad[row * columns + column])).collect();
             let expected = Series::fit(&profile, 15);

@@ -4,6 +4,7 @@ pub mod checkpoint;
 pub mod error;
 pub mod fit;
 pub mod georeference;
+pub mod inspect;
 pub mod measure;
 pub mod pack;
 pub mod series;

@@ -107,8 +107,10 @@ mod tests {
         for (q, expected_rad) in [(0.1, 0.0021), (0.5, 0.0106), (2.0, 0.043)] {
             let h = |azimuth_rad: f64| (q * azimuth_rad.cos()).max(0.0_f64).atan();
             let series = Series::fit(&samples(3600, h), 15);
-            let worst_rad =
-                (0..3600).map(|i| TAU * f64::from(i) / 3600.0).map(|a| (series.elevation_rad(a) - h(a)).abs()).fold(0.0, f64::max);
+            let worst_rad = (0..3600)
+                .map(|i| TAU * f64::from(i) / 3600.0)
+                .map(|a| (series.elevation_rad(a) - h(a)).abs())
+                .fold(0.0, f64::max);
             // The published figures have two digits.
             assert!((worst_rad / expected_rad - 1.0).abs() < 0.03, "q = {q}: {worst_rad}");
         }
@@ -122,6 +124,23 @@ mod tests {
         let (low, high) = values.iter().fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(*v), high.max(*v)));
         assert!((high - 0.2 - 0.0129).abs() < 2e-4, "{high}");
         assert!((low + 0.0214).abs() < 2e-4, "{low}");
+    }
+
+    /// The shader's functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
+    #[test]
+    fn the_shader_is_valid_and_shares_its_layout() {
+        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
+        let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", include_str!("series.wgsl"))).unwrap();
+        // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
+        let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        let mut validator = naga::valid::Validator::new(Default::default(), needed);
+        validator.validate(&module).unwrap();
+        let grid = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("HorizonGrid")).unwrap().1;
+        let naga::TypeInner::Struct { members, span } = &grid.inner else { panic!("a struct") };
+        assert_eq!(*span as usize, size_of::<crate::horizon::pack::HorizonGrid>());
+        let names: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset)).collect();
+        let expected = ["columns", "rows", "halving", "offset_0", "offset_1", "offset_2", "offset_3"];
+        assert_eq!(names, expected.into_iter().zip((0..).step_by(4)).collect::<Vec<_>>());
     }
 
     #[test]

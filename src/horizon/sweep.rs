@@ -100,7 +100,15 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
-        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR, search_x: (ray.search_steps * fine.posting_m) as f32, inverse_posting: (1.0 / fine.posting_m) as f32, tolerance: std::env::var("REFINE").map_or(1e-3, |n| n.parse().unwrap()) };
+        let far = Far {
+            ray: &ray,
+            receivers: &self.receivers,
+            levels,
+            near: NEAR,
+            search_x: (ray.search_steps * fine.posting_m) as f32,
+            inverse_posting: (1.0 / fine.posting_m) as f32,
+            tolerance: std::env::var("REFINE").map_or(1e-3, |n| n.parse().unwrap()),
+        };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         self.near(&ray, &mut plane);
         far.raise(&mut plane);
@@ -115,7 +123,8 @@ impl<'a> Sweep<'a> {
         let (fine, r) = (&self.grids[0], &self.receivers);
         for mut beyond in far.beyond() {
             for u in 0..r.majors {
-                let x_m = (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
+                let x_m =
+                    (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
                 for v in 0..r.minors {
                     let i = u * r.stride + v;
                     let y_m = (v + r.margin) as f64 * fine.posting_m;

@@ -118,7 +118,8 @@ fn stretch(level: &Level, at_m: DVec2, direction: DVec2) -> Option<(f64, f64)> {
 fn without(whole: (f64, f64), taken: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut parts = vec![whole];
     for &(from, to) in taken {
-        parts = parts.into_iter().flat_map(|(a, b)| [(a, b.min(from)), (a.max(to), b)]).filter(|(a, b)| a < b).collect();
+        parts =
+            parts.into_iter().flat_map(|(a, b)| [(a, b.min(from)), (a.max(to), b)]).filter(|(a, b)| a < b).collect();
     }
     parts
 }
@@ -165,7 +166,9 @@ impl View {
         let (column, row) = (corner(middle.x, level.columns), corner(middle.y, level.rows));
         let cell = Cell::of(level, column, row, start, rate);
         for t_m in [from_m, to_m] {
-            if t_m > 0.0 && let Some(height_m) = cell.height_m(t_m) {
+            if t_m > 0.0
+                && let Some(height_m) = cell.height_m(t_m)
+            {
                 self.offer((height_m - self.observer.z) / t_m, t_m);
             }
         }

@@ -83,7 +83,16 @@ pub fn atan(tangent: f32) -> f32 {
     let steep = size > 1.0;
     let z = if steep { 1.0 / size } else { size };
     let s = z * z;
-    let series = [0.002_866_225_7, -0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_088_99, 0.199_935_51, -0.333_331_45];
+    let series = [
+        0.002_866_225_7,
+        -0.016_165_737,
+        0.042_909_614,
+        -0.075_289_64,
+        0.106_562_64,
+        -0.142_088_99,
+        0.199_935_51,
+        -0.333_331_45,
+    ];
     let mut sum = series[0];
     for coefficient in &series[1..] {
         sum = sum * s + coefficient;

@@ -59,7 +59,13 @@ impl Profile {
                 column: on_the_way,
             }
         });
-        Self { steps: steps.collect(), sign: ray.sign, minor: ray.minor, search_steps: ray.search_steps, bend: (ray.sign as f64 * ray.minor) as f32 }
+        Self {
+            steps: steps.collect(),
+            sign: ray.sign,
+            minor: ray.minor,
+            search_steps: ray.search_steps,
+            bend: (ray.sign as f64 * ray.minor) as f32,
+        }
     }
 
     /// Steps from node (u, v) to the end of the grid or of the search.
@@ -135,7 +141,9 @@ impl View<'_> {
     fn last(&self, step: &Step) -> f32 {
         let stride = self.grid.stride as isize * self.profile.sign;
         match step.column {
-            Some((node, share, at)) if f64::from(at) <= self.profile.search_steps => self.mix(node, node + stride, share) / at,
+            Some((node, share, at)) if f64::from(at) <= self.profile.search_steps => {
+                self.mix(node, node + stride, share) / at
+            }
             _ => NEVER_M,
         }
     }

@@ -56,7 +56,8 @@ fn a_full_turn_is_no_turn() {
 #[test]
 fn a_bare_sphere_dips_below_the_horizontal() {
     let map = lunar_map();
-    for (nodes, posting_m, height_m) in [(65, 20.0, 2.0), (65, 20.0, 1000.0), (257, 50.0, 10.0), (257, 1000.0, 1000.0)] {
+    for (nodes, posting_m, height_m) in [(65, 20.0, 2.0), (65, 20.0, 1000.0), (257, 50.0, 10.0), (257, 1000.0, 1000.0)]
+    {
         let face = face(map.clone(), vec![level(&map, nodes, posting_m, DVec2::ZERO, |_| 0.0)]);
         let settings = Settings { observer_height_m: height_m, ..Settings::default() };
         let expected_rad = -(map.radius_m / (map.radius_m + height_m)).acos();
@@ -67,7 +68,10 @@ fn a_bare_sphere_dips_below_the_horizontal() {
         let bound_rad = posting_m * posting_m / (4.0 * map.radius_m * tangent_m) + 1e-6;
         for azimuth_rad in azimuths_rad() {
             for got_rad in both(&face, middle, middle, azimuth_rad, &settings) {
-                assert!((got_rad - expected_rad).abs() < bound_rad, "{height_m} m: {got_rad} {expected_rad} ± {bound_rad}");
+                assert!(
+                    (got_rad - expected_rad).abs() < bound_rad,
+                    "{height_m} m: {got_rad} {expected_rad} ± {bound_rad}"
+                );
             }
         }
     }
@@ -167,7 +171,9 @@ fn sinusoidal_ridges_end_each_others_shadows() {
     let face = face(map.clone(), vec![level(&map, 1501, posting_m, DVec2::ZERO, ridges)]);
     let tracer_settings = Settings::default();
     let tracer = Tracer::new(&face, &tracer_settings);
-    for (sun_deg, graze_m, end_m) in [(5.0_f64, 589.832, 1931.544), (10.0, 689.686, 1657.863), (15.0, 825.164, 1355.305)] {
+    for (sun_deg, graze_m, end_m) in
+        [(5.0_f64, 589.832, 1931.544), (10.0, 689.686, 1657.863), (15.0, 825.164, 1355.305)]
+    {
         // The Sun stands towards −x; a shadow that leaves the crest at graze ends at end.
         let foot = tracer.foot(DVec2::new(end_m - 2000.0, 0.0)).unwrap();
         let skyline = tracer.skyline(foot, -DVec2::X);

@@ -12,7 +12,8 @@ use perilune::terrain::Level;
 use super::scene::{face, flat_map, level, lunar_map};
 
 fn data(file: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("SIM_DATA").map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let root = std::env::var_os("SIM_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
     let path = root.join(file);
     if !path.exists() {
         println!("skipped: {} is absent", path.display());
@@ -64,13 +65,15 @@ fn unpacked(path: &Path, member: &str) -> Option<Vec<u8>> {
 #[test]
 fn the_lakes_horizons_are_those_of_ipw() {
     let Some(path) = data("horizon_reference/lakes_horizons_deg.npz") else { return };
-    let members: Option<Vec<_>> = ["dem.npy", "az.npy", "hor.npy"].iter().map(|member| unpacked(&path, member)).collect();
+    let members: Option<Vec<_>> =
+        ["dem.npy", "az.npy", "hor.npy"].iter().map(|member| unpacked(&path, member)).collect();
     let Some(members) = members else {
         println!("skipped: python3 is needed to unpack {}", path.display());
         return;
     };
     let dem: Vec<f64> = members[0].chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();
-    let azimuths_deg: Vec<i64> = members[1].chunks_exact(8).map(|b| i64::from_le_bytes(b.try_into().unwrap())).collect();
+    let azimuths_deg: Vec<i64> =
+        members[1].chunks_exact(8).map(|b| i64::from_le_bytes(b.try_into().unwrap())).collect();
     let horizons: Vec<f32> = members[2].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
     let (rows, columns) = (168, 156);
     let map = flat_map();
@@ -94,7 +97,8 @@ fn the_lakes_horizons_are_those_of_ipw() {
         for row in (4..rows - 4).step_by(3) {
             for column in (4..columns - 4).step_by(3) {
                 let theirs_deg = f64::from(horizons[(i * rows + row) * columns + column]);
-                let ours_deg = tracer.skyline(face.levels[0].lifted_node(column, row), towards).elevation_rad.to_degrees();
+                let ours_deg =
+                    tracer.skyline(face.levels[0].lifted_node(column, row), towards).elevation_rad.to_degrees();
                 // They clamp at the horizontal.
                 errors_deg.push(theirs_deg - ours_deg.max(0.0));
             }

@@ -79,8 +79,11 @@ pub fn craters(nodes: usize, posting_m: f64, seed: u64) -> Vec<f32> {
             for column in range(cx) {
                 let d = ((column as f64 - cx).powi(2) + (row as f64 - cy).powi(2)).sqrt() / radius;
                 let rim_m = 0.2 * depth_m;
-                let height_m =
-                    if d < 1.0 { (depth_m + rim_m) * d * d - depth_m } else { rim_m * d.powi(-3) * (1.0 - d / 2.5).max(0.0) / 0.6 };
+                let height_m = if d < 1.0 {
+                    (depth_m + rim_m) * d * d - depth_m
+                } else {
+                    rim_m * d.powi(-3) * (1.0 - d / 2.5).max(0.0) / 0.6
+                };
                 heights_m[row * nodes + column] += height_m as f32;
             }
         }

@@ -28,7 +28,13 @@ pub fn errors(face: &Face, level: usize, settings: &Settings, pixels: usize) -> 
             samples += r.majors * r.minors;
             for &(u, v) in &sample {
                 let traced_rad = tracer.skyline(sweep.foot(u, v), direction).elevation_rad;
-                if (f64::from(plane[u * r.stride + v]) - traced_rad).abs() > 0.003 { println!("BAD {major:?} {u} {v} {direction} {} {:?}", plane[u * r.stride + v], tracer.skyline(sweep.foot(u, v), direction)); }
+                if (f64::from(plane[u * r.stride + v]) - traced_rad).abs() > 0.003 {
+                    println!(
+                        "BAD {major:?} {u} {v} {direction} {} {:?}",
+                        plane[u * r.stride + v],
+                        tracer.skyline(sweep.foot(u, v), direction)
+                    );
+                }
                 errors_rad.push(f64::from(plane[u * r.stride + v]) - traced_rad);
             }
         }
