@@ -72,7 +72,7 @@ impl Accumulator {
                     let first = i * STRIP + row * scale;
                     let last = (first + scale).min(rows);
                     for (plane, weights) in planes.iter().zip(&weights) {
-                        wide(|| {
+                        wide(#[inline(always)] || {
                             box_means(plane, columns, first..last, scale, &mut means);
                             add_scaled(&means, weights, sums);
                         });

@@ -1,5 +1,6 @@
 //! The horizons of all nodes of a level, one azimuth at a time.
 pub mod angle;
+pub mod beyond;
 pub mod far;
 pub mod grid;
 pub mod hull;
@@ -15,6 +16,7 @@ use super::Settings;
 use super::trace::{Tracer, raised};
 use crate::terrain::{Face, Level};
 use angle::Place;
+use beyond::Beyond;
 use far::Far;
 use grid::{Grid, LANES, Major};
 use line::Placed;
@@ -100,15 +102,7 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
-        let far = Far {
-            ray: &ray,
-            receivers: &self.receivers,
-            levels,
-            near: NEAR,
-            search_x: (ray.search_steps * fine.posting_m) as f32,
-            inverse_posting: (1.0 / fine.posting_m) as f32,
-            tolerance: std::env::var("REFINE").map_or(1e-3, |n| n.parse().unwrap()),
-        };
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         self.near(&ray, &mut plane);
         far.raise(&mut plane);
@@ -121,7 +115,7 @@ impl<'a> Sweep<'a> {
     /// Raises far slopes to those of coarser levels.
     fn add_beyond(&self, far: &Far, slopes: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        for mut beyond in far.beyond() {
+        for mut beyond in (1..far.levels.len()).map(|level| Beyond::new(far, level)) {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
@@ -140,7 +134,7 @@ impl<'a> Sweep<'a> {
 
     fn near(&self, ray: &Ray, plane: &mut [f32]) {
         let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
-        wide(|| self.near_plain(&stencil, plane));
+        wide(#[inline(always)] || self.near_plain(&stencil, plane));
     }
     #[inline(always)]
     fn near_plain(&self, stencil: &Stencil, plane: &mut [f32]) {
@@ -162,7 +156,7 @@ impl<'a> Sweep<'a> {
 
     /// From slopes to elevations.
     fn finish(&self, ray: &Ray, plane: &mut [f32]) {
-        wide(|| self.finish_plain(ray, plane));
+        wide(#[inline(always)] || self.finish_plain(ray, plane));
     }
 
     #[inline(always)]
