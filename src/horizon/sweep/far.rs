@@ -93,11 +93,12 @@ impl<'a> Far<'a> {
     fn row(&self, start: isize, along: isize) -> Row {
         let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
         let steps = self.ray.sign * (u - self.pivot());
-        let v = start as f64 + self.ray.minor * steps as f64;
+        // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
+        let v = self.ray.minor * steps as f64;
         // `floor` is a call on targets without SSE 4.1.
         let whole = v as isize;
         let low = whole - isize::from(whole as f64 > v);
-        Row { u, x: steps as f32 * self.fine().posting_m as f32, low, share: v - low as f64 }
+        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
     }
 
     /// The receivers between one block of lines.
