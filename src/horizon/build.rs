@@ -158,7 +158,7 @@ impl<'a> Builder<'a> {
         let end = if done < self.along_rows { self.along_rows } else { self.order.len() };
         let block = &self.order[done..end.min(done + rayon::current_num_threads())];
         if done == self.along_rows {
-            self.state.sums = self.state.sums.transposed();
+            self.state.sums.transpose();
         }
         let (face, level, settings) = (self.face, self.level, &self.settings);
         if self.sweep.as_ref().is_none_or(|(prepared, _)| *prepared != major) {
@@ -182,11 +182,14 @@ impl<'a> Builder<'a> {
     }
 
     /// Stores the finished tile.
-    fn finish(self, body: &Body) -> Result<HorizonMap, Error> {
-        let sums = self.state.sums.transposed();
+    fn finish(mut self, body: &Body) -> Result<HorizonMap, Error> {
+        self.sweep = None;
+        let sums = &mut self.state.sums;
+        sums.transpose();
         let (columns, rows) = (sums.columns(), sums.rows());
         let errors = TileErrors::default();
-        let mut map = HorizonMap { encoding: self.encoding, columns, rows, levels: sums.texels(), errors };
+        let levels = sums.texels();
+        let mut map = HorizonMap { encoding: self.encoding, columns, rows, levels, errors };
         map.errors = measure(self.face, self.level, &self.settings, &self.state.sample, &map);
         let header = Header::new(body, self.face, self.level, &self.settings, &map);
         store::write(&self.path, &header, &map)?;

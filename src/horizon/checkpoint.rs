@@ -58,7 +58,7 @@ impl Checkpoint {
         let (done, mut rest) = body[key.len()..].split_at(8);
         state.done = u64::from_le_bytes(done.try_into().expect("eight bytes")) as usize;
         if state.done > along_rows {
-            state.sums = state.sums.transposed();
+            state.sums.transpose();
         }
         let groups = state.sums.groups.iter_mut().map(|group| &mut group.sums);
         for floats in groups.chain([&mut state.sample.elevations_rad]) {

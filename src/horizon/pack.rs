@@ -22,7 +22,7 @@
 //! A half float keeps 11 bits: a coefficient of 0.23 rad is off by up to 6e-5 rad.
 //!
 //! # References
-//! Fritsch et al. (2025), *Fourier-compressed horizon maps*. Max (1988), doi:10.1007/BF01905562.
+//! Fritsch et al. (2025), *Fourier-compressed horizon maps*. Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*.
 
 use glam::DVec2;
 use half::f16;

@@ -13,7 +13,7 @@
 //! `√(mean h² − a₀² − ½ Σ (aₖ² + bₖ²))`. The maximum error has no such bound at a cliff (Gibbs), so a tile's header
 //! records the measured one. `series.wgsl` evaluates the same sum from packed texels.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles as _};
 
 /// A truncated Fourier series over azimuth, in radians.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +70,6 @@ impl Series {
     }
 }
 
-use glam::Vec2Swizzles as _;
-
 /// Sine and cosine of `kA` for sample `i` of `count`, reduced so that 0 and a full turn agree exactly.
 pub(super) fn turned(k: usize, i: usize, count: usize) -> (f64, f64) {
     (std::f64::consts::TAU * ((k * i) % count) as f64 / count as f64).sin_cos()
@@ -101,7 +99,7 @@ mod tests {
         }
     }
 
-    /// A line of width 1e-3 around the value printed in physics handbooks would hide a factor of 2.
+    /// Wall of height q times its distance: atan(q cos A)₊.
     #[test]
     fn an_infinite_wall_loses_what_its_closed_form_says() {
         for (q, expected_rad) in [(0.1, 0.0021), (0.5, 0.0106), (2.0, 0.043)] {
