@@ -133,11 +133,11 @@ mod tests {
     #[test]
     fn points_behind_a_receiver_do_not_count() {
         let mut hull = Hull::default();
-        for (x, height_m) in [(300.0, 30.0), (200.0, 25.0), (100.0, 20.0)] {
+        for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
             hull.push(x, height_m);
         }
         let touch = hull.tangent_beyond(150.0, 0.0);
-        assert_eq!((touch.rise_m, touch.run_m), (25.0, 50.0));
+        assert_eq!((touch.rise_m, touch.run_m), (28.0, 50.0));
         assert!(Hull::default().tangent_beyond(0.0, 0.0).rise_m < -1e29);
     }
 }
