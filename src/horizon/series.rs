@@ -127,7 +127,8 @@ mod tests {
     /// The shader's functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
     #[test]
     fn the_shader_is_valid_and_shares_its_layout() {
-        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
+        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
+            fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
         let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", include_str!("series.wgsl"))).unwrap();
         // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
         let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
