@@ -2,4 +2,4 @@
 
 pub mod tile;
 
-pub use tile::{Place, Verification, verify};
+pub use tile::{Verification, verify};

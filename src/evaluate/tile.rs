@@ -1,4 +1,4 @@
-//! Whether a horizon tile errs as its header says, and the skyline of a place on it.
+//! Whether a horizon tile errs as its header says.
 //!
 //! A tile is verified on two samples of pixels, over all azimuths of each. On the sample that its builder measured,
 //! the decoded error must be the stated one, to the digits of the header. On another one, drawn at random, the mean
@@ -14,17 +14,17 @@
 //! # References
 //! Welch (1947), *The generalization of Student's problem*, doi:10.1093/biomet/34.1-2.28.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::DVec2;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::geometry::{Body, Direction, Geodetic, Local, Map, Position, Rotation};
+use crate::horizon::build::MEASURED_PIXELS;
 use crate::horizon::measure::Sample;
 use crate::horizon::store::Header;
-use crate::horizon::trace::{Skyline, Tracer};
+use crate::horizon::trace::Tracer;
 use crate::horizon::{ErrorStatistics, HorizonMap};
-use crate::terrain::{Face, Gnomonic};
+use crate::terrain::Face;
 
 /// The header keeps four digits; a rounding apart counts as the same.
 const HEADER_DIGITS: f64 = 2e-3;
@@ -95,9 +95,6 @@ pub fn verify(face: &Face, level: usize, header: &Header, map: &HorizonMap, pixe
     }
 }
 
-/// Pixels on which a builder measures a tile.
-const MEASURED_PIXELS: usize = 64;
-
 fn mean_squares(errors_rad: &[Vec<f64>]) -> Vec<f64> {
     errors_rad.iter().map(|errors| errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).collect()
 }
@@ -113,52 +110,6 @@ fn deviations(a: &[f64], b: &[f64]) -> f64 {
     let difference = (mean_a - mean_b).abs();
     // Two exact maps differ by nothing, without any scatter.
     if difference == 0.0 { 0.0 } else { difference / (variance_a + variance_b).sqrt() }
-}
-
-/// A place on a tile.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Place {
-    /// On the map, from its centre.
-    pub at_m: DVec2,
-    /// In nodes, from the first seen one.
-    pub grid: DVec2,
-    map: Gnomonic,
-    map_from_local: Rotation<Map, Local>,
-}
-
-impl Place {
-    /// The place of a tile at a point of `body`; `None` outside the tile.
-    pub fn on(header: &Header, body: &Body, point: Geodetic) -> Option<Self> {
-        let map = gnomonic(header);
-        let at_m = map.lifted_from_body(body.position_from_geodetic(point))?.truncate();
-        let grid = (at_m - DVec2::new(header.map.west_m, header.map.south_m)) / header.map.posting_m;
-        let last = DVec2::new((header.columns - 1) as f64, (header.rows - 1) as f64);
-        let map_from_local = map.map_from_body * body.local_from_body(point).inverse();
-        let inside = grid.cmpge(DVec2::ZERO).all() && grid.cmple(last).all();
-        inside.then_some(Self { at_m, grid, map, map_from_local })
-    }
-
-    /// The unit map direction of an azimuth clockwise from north.
-    pub fn direction(&self, azimuth_rad: f64) -> DVec2 {
-        let (sin, cos) = azimuth_rad.sin_cos();
-        let towards = Direction::new(DVec3::new(sin, cos, 0.0)).expect("it has length 1");
-        self.map.map_direction(self.at_m, self.map_from_local * towards).normalize()
-    }
-
-    /// The skyline on the ground of the face that `tracer` sees; `None` where it has no ground.
-    pub fn traced(&self, tracer: &Tracer, azimuth_rad: f64) -> Option<Skyline> {
-        Some(tracer.skyline(tracer.foot(self.at_m)?, self.direction(azimuth_rad)))
-    }
-}
-
-/// The map that a header describes.
-fn gnomonic(header: &Header) -> Gnomonic {
-    let [x, y, z] = [header.map.right, header.map.up, header.map.outward].map(DVec3::from_array);
-    Gnomonic {
-        origin: Position::from_m(DVec3::from_array(header.map.origin_m)),
-        map_from_body: Rotation::from_matrix(DMat3::from_cols(x, y, z).transpose()),
-        radius_m: header.map.radius_m,
-    }
 }
 
 #[cfg(test)]

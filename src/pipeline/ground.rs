@@ -188,8 +188,10 @@ pub fn horizons<E: From<Error>>(
                 built.store(true, Ordering::Relaxed);
                 progress.at(done, total);
             };
-            let map = horizon::open_or_build(face, level, settings, encoding, folder, &heard).map_err(Error::from)?;
-            let path = store::path_for(folder, &Key::of(face, level, settings, encoding));
+            let body = &surface.terrain.body;
+            let map =
+                horizon::open_or_build(body, face, level, settings, encoding, folder, &heard).map_err(Error::from)?;
+            let path = store::path_for(folder, &Key::of(body, face, level, settings, encoding));
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
             finished(&Tile { face: index, level, path, map: &map, built_s })?;
             levels.push(map);

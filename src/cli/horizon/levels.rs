@@ -33,7 +33,7 @@ pub struct Args {
 
 /// The reference surface.
 #[derive(Debug, clap::Args)]
-pub struct BodyArgs {
+struct BodyArgs {
     /// Body, as moon, mars or any that the default kernels have constants of
     #[arg(long, default_value = "moon")]
     body: String,
@@ -51,7 +51,7 @@ enum Values {
 }
 
 impl BodyArgs {
-    pub fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
+    fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
         let body = Almanac::default_kernels(&default_kernel_folder())?.body_frame(&self.body, None)?.body;
         Ok(match self.radius {
             Some(radius_m) => Body { equatorial_radius_m: radius_m, polar_radius_m: radius_m, ..body },
@@ -61,10 +61,6 @@ impl BodyArgs {
 }
 
 impl Args {
-    pub fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
-        self.body.body()
-    }
-
     /// Opens the DEMs and lifts them onto levels, as a run does.
     pub fn ground(
         &self,
@@ -74,7 +70,7 @@ impl Args {
     ) -> Result<Ground, Box<dyn std::error::Error>> {
         let terrain = scenario::Terrain { centre, dems: self.dems(dems)? };
         // Only synthetic terrain is kept in a cache.
-        Ok(ground::surface(Some(&terrain), &self.body()?, Path::new(""), progress)?)
+        Ok(ground::surface(Some(&terrain), &self.body.body()?, Path::new(""), progress)?)
     }
 
     fn dems(&self, paths: &[PathBuf]) -> Result<Vec<Dem>, String> {
@@ -111,14 +107,15 @@ pub fn find(ground: &Ground, tile: &Path, header: &Header) -> Result<(usize, usi
     let faces = &ground.surface.terrain.faces;
     let all =
         faces.iter().enumerate().flat_map(|(face, nodes)| (0..nodes.levels.len()).map(move |level| (face, level)));
-    let made_it =
-        |&(face, level): &(usize, usize)| Key::of(&faces[face], level, &header.settings, header.encoding) == header.key;
+    let made_it = |&(face, level): &(usize, usize)| {
+        Key::of(&ground.surface.terrain.body, &faces[face], level, &header.settings, header.encoding) == header.key
+    };
     all.into_iter().find(made_it).ok_or_else(|| {
         let [columns, rows] = [header.columns, header.rows];
         let posting_m = header.map.posting_m;
         format!(
             "{} was made from other heights or another map than these DEMs give: it has {columns} × {rows} nodes at \
-             {posting_m} m; pass the DEMs, the centre, --posting, --extent and --cube that it was built with",
+             {posting_m} m; pass the DEMs, the centre, the body, --posting, --extent and --cube that it was built with",
             tile.display()
         )
     })

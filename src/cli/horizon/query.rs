@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use perilune::evaluate::Place;
 use perilune::geometry::Geodetic;
+use perilune::horizon::inspect::Place;
 use perilune::horizon::store;
 use perilune::horizon::trace::Tracer;
 use serde_json::json;
@@ -64,7 +64,8 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 pub fn run(args: Args) -> Outcome {
     let (header, map) = store::read(&args.tile)?;
-    let place = Place::on(&header, &args.levels.body()?, args.at)
+    let [latitude_deg, longitude_deg] = [args.at.latitude_rad, args.at.longitude_east_rad].map(f64::to_degrees);
+    let place = Place::on(&header, latitude_deg, longitude_deg)
         .ok_or_else(|| format!("--at {} lies outside {}", degrees(args.at), args.tile.display()))?;
     let ground = match args.dems[..] {
         [] => None,
@@ -81,8 +82,8 @@ pub fn run(args: Args) -> Outcome {
 
     let series = map.horizon(place.grid);
     let row = |azimuth: f64| {
-        let direction = place.direction(azimuth.to_radians());
-        let skyline = tracer.as_ref().and_then(|tracer| place.traced(tracer, azimuth.to_radians()));
+        let direction = place.direction(&header, azimuth.to_radians());
+        let skyline = tracer.as_ref().and_then(|tracer| place.traced(&header, tracer, azimuth.to_radians()));
         Row {
             azimuth,
             map_azimuth: direction.x.atan2(direction.y).rem_euclid(TAU).to_degrees(),
