@@ -96,7 +96,7 @@ pub struct Prepared {
 
 /// Kernels, terrain and poses of a scenario.
 pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
-    let almanac = almanac(scenario)?;
+    let almanac = Almanac::load(&kernels(scenario))?;
     let frame = body_frame(scenario, &almanac)?;
     let mut ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
     for (role, path) in other_inputs(scenario) {
@@ -107,14 +107,14 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     Ok(Prepared { almanac, frame, ground, exposures })
 }
 
-/// The scenario's kernels, or the default ones, with that of its trajectory.
-fn almanac(scenario: &Scenario) -> Result<Almanac, Error> {
-    let default = || DEFAULT_KERNELS.map(|name| default_kernel_folder().join(name)).to_vec();
-    let mut paths = scenario.kernels.clone().unwrap_or_else(default);
+/// The scenario's kernels, or the shipped ones, and the trajectory's.
+fn kernels(scenario: &Scenario) -> Vec<PathBuf> {
+    let shipped = || DEFAULT_KERNELS.map(|name| default_kernel_folder().join(name)).to_vec();
+    let mut kernels = scenario.kernels.clone().unwrap_or_else(shipped);
     if let scenario::Trajectory::Spk { path: Some(path), .. } = &scenario.trajectory {
-        paths.push(path.clone());
+        kernels.push(path.clone());
     }
-    Ok(Almanac::load(&paths)?)
+    kernels
 }
 
 /// The scenario's frame with the figure that its heights refer to.

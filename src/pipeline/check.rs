@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Error, Progress, almanac, body_frame, ground, motion, scene};
+use super::{Error, Progress, body_frame, ground, kernels, motion, scene};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::raster::{self, Dem};
@@ -31,7 +31,9 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
-    let loaded = almanac(scenario).and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
+    let loaded = Almanac::load(&kernels(scenario))
+        .map_err(Error::from)
+        .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
     match loaded {
         Ok((frame, almanac)) => problems.extend(poses(scenario, &almanac, &frame, ground)),
         Err(error) => problems.push(error),
