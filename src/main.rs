@@ -22,10 +22,11 @@ struct Sim {
 const FIRST_STEPS: &str = "\
 First steps:
   sim run lunar_descent.ron           24 images of a descent, into output/lunar_descent
+  sim check mine.ron                  all that is wrong with a scenario, without running it
   sim inspect output/lunar_descent    what was made, and whether it is whole
   sim schema                          all that a scenario can say
 
-Exit codes: 0 done, 1 an error, said in one line, 2 wrong arguments";
+Exit codes: 0 done, 1 an error, 2 wrong arguments";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -12,7 +12,7 @@ use super::{Outcome, Problems, about, chain, say};
 /// More problems of one scenario than these are one problem, seen at many exposures.
 const LISTED: usize = 20;
 
-/// Check a scenario without running it, and list all that is wrong with it.
+/// Check a scenario without running it: list all that is wrong with it.
 ///
 /// Keys, types and ranges are named with line and column. Then kernels are loaded, elevation models opened, and the
 /// camera is placed at every epoch: above the ground, where the terrain is a file or was made by a run.

@@ -13,23 +13,30 @@ use perilune::terrain::synthetic::{self, Parameters};
 use super::{Outcome, place, say};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
+///
+/// Craters follow published size and depth statistics; the same seed makes the same bytes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: sim terrain -o highland.tif --columns 2048 --rows 2048 --posting 15 --at -89.5,222")]
 pub struct Args {
     /// GeoTIFF to write; the craters go to the same name with .craters.csv
     #[arg(short, long, value_name = "FILE.tif")]
     output: PathBuf,
-    #[arg(long, default_value_t = 1024)]
+    /// Pixels from west to east
+    #[arg(long, value_name = "N", default_value_t = 1024)]
     columns: usize,
-    #[arg(long, default_value_t = 1024)]
+    /// Pixels from north to south
+    #[arg(long, value_name = "N", default_value_t = 1024)]
     rows: usize,
     /// Distance of pixels, in metres
     #[arg(long, value_name = "M", default_value_t = 20.0)]
     posting: f64,
-    #[arg(long, default_value_t = 1)]
+    /// Seed of craters and relief
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Latitude and east longitude of the middle, in degrees
     #[arg(long, value_name = "LAT,LON", default_value = "-89,0", value_parser = place, allow_hyphen_values = true)]
     at: Geodetic,
+    /// Map projection of the file
     #[arg(long, value_enum, default_value_t = Projection::Gnomonic)]
     projection: Projection,
     /// Diameter of the largest crater, in metres [default: a quarter of the map, at most 12 km]
@@ -47,7 +54,7 @@ pub struct Args {
     /// Height of the massif, in metres [default: a twentieth of the map, at most 1500 m]
     #[arg(long, value_name = "M")]
     relief: Option<f64>,
-    /// RMS slope of the fractal between pixels
+    /// RMS slope of the fractal between pixels [default: 0.035]
     #[arg(long)]
     roughness: Option<f64>,
     /// Print what was written as JSON
