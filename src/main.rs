@@ -31,7 +31,7 @@ Exit codes: 0 done, 1 an error, 2 wrong arguments";
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(cli::check::Args),
-    Horizon(cli::horizon::Args),
+    Horizon(Box<cli::horizon::Args>),
     Inspect(cli::inspect::Args),
     Kernels(cli::kernels::Args),
     Run(cli::run::Args),
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let outcome = match Sim::parse().command {
         Command::Check(args) => cli::check::run(args),
-        Command::Horizon(args) => cli::horizon::run(args),
+        Command::Horizon(args) => cli::horizon::run(*args),
         Command::Inspect(args) => cli::inspect::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
         Command::Run(args) => cli::run::run(args),

@@ -96,7 +96,7 @@ fn a_truncated_dem_is_refused() {
 
 fn sim_terrain(path: &Path) -> bool {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_sim"));
-    command.args(["terrain", "--columns", "128", "--rows", "128", "-o"]).arg(path).status().unwrap().success()
+    command.args(["terrain", "--columns", "128", "--rows", "128", "-o"]).arg(path).output().unwrap().status.success()
 }
 
 /// The small scenario with the default kernels copied beside it and changed by `damage`.
