@@ -70,7 +70,7 @@ fn disk_inputs() -> Vec<Vec<f32>> {
 
 fn disk_light(disk: &SolarDisk, x: &[f64]) -> Vec<f64> {
     let facet = Facet { height: x[2], slope: DVec2::new(x[3], x[4]) };
-    let DiskLight { fraction, moment } = disk.light(HorizonLine { height: x[0], slope: x[1] }, facet);
+    let DiskLight { fraction, moment } = disk.light_by_quadrature(HorizonLine { height: x[0], slope: x[1] }, facet);
     vec![fraction, moment.x, moment.y]
 }
 
