@@ -5,4 +5,5 @@ mod ephemeris;
 mod horizon;
 mod photometry;
 mod raster;
+mod render;
 mod trajectory;
