@@ -35,8 +35,8 @@ mod quadrature;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use fast::Fast;
-use quadrature::Quadrature;
 use glam::DVec2;
+use quadrature::Quadrature;
 
 use super::quadrature::gauss_legendre;
 use super::{Facet, HorizonLine, PhotometryError};
@@ -314,7 +314,8 @@ mod tests {
             for (height, slope) in [(0.0, 0.0), (0.3, 1.0), (-0.5, -2.0), (2.0, 30.0), (0.0, 1e6), (0.99, 0.0)] {
                 let line = HalfPlane::new(DVec2::new(-slope, 1.0), -height);
                 let far = HalfPlane { normal: DVec2::X, height: -2.0 };
-                let (columns, closed) = (disk(alpha).believed.light_by_columns([line, far]), disk(alpha).believed.light_above_line(line));
+                let (columns, closed) =
+                    (disk(alpha).believed.light_by_columns([line, far]), disk(alpha).believed.light_above_line(line));
                 assert!((columns.fraction - closed.fraction).abs() < 1e-8, "{alpha} {line:?} {columns:?} {closed:?}");
                 assert!((columns.moment - closed.moment).length() < 1e-8, "{alpha} {line:?} {columns:?} {closed:?}");
             }

@@ -22,7 +22,8 @@ fn source() -> String {
 
 fn shader(alpha: f64, law: &Reflectance) -> Shader {
     let constants = SolarDisk::constants().into_iter().chain([law.constant()]).collect();
-    Shader { source: source(), constants, table: disk(alpha).tables() }
+    let table = disk(alpha).tables().into_iter().map(f32::to_bits).collect();
+    Shader { source: source(), constants, declared: "disk_tables: array<f32>", table }
 }
 
 /// A law's parameters as WGSL.

@@ -6,4 +6,5 @@ mod horizon;
 mod photometry;
 mod raster;
 mod render;
+mod ridge;
 mod trajectory;

@@ -146,8 +146,8 @@ fn look_up(table: &[[f64; 2]], height: f64) -> f64 {
     let (t, step) = (place - knot as f64, 1.0 / (KNOTS - 1) as f64);
     let ([low, low_rate], [high, high_rate]) = (table[knot], table[knot + 1]);
     let s = 1.0 - t;
-    let share = s * s * ((1.0 + 2.0 * t) * low + t * step * low_rate)
-        + t * t * ((1.0 + 2.0 * s) * high - s * step * high_rate);
+    let share =
+        s * s * ((1.0 + 2.0 * t) * low + t * step * low_rate) + t * t * ((1.0 + 2.0 * s) * high - s * step * high_rate);
     if height < 0.0 { 1.0 - share } else { share }
 }
 
@@ -161,7 +161,6 @@ fn lines_cross(a: f64, b: f64, sine: f64, cosine: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::{Facet, HorizonLine, LimbDarkening, SolarDisk};
-    use super::*;
     use glam::DVec2;
 
     /// 1e-6 of the whole Sun is 2e-5 of what a Sun shows that has all but set; columns end like a fractional power.
@@ -174,8 +173,10 @@ mod tests {
                 // Additive sequence of the generalised golden ratio in four dimensions.
                 let [a, b, c, d] = [0.8567, 0.7339, 0.6287, 0.5386].map(|ratio: f64| (f64::from(i) * ratio).fract());
                 let horizon = HorizonLine { height: 2.6 * a - 1.3, slope: (2.4 * b - 1.2).tan() };
-                let facet =
-                    Facet { height: 2.6 * c - 1.3, slope: DVec2::from_angle(7.0 * d) * (0.2 + 0.8 * (5.0 * d).fract()) };
+                let facet = Facet {
+                    height: 2.6 * c - 1.3,
+                    slope: DVec2::from_angle(7.0 * d) * (0.2 + 0.8 * (5.0 * d).fract()),
+                };
                 let (fast, believed) = (disk.light(horizon, facet), disk.light_by_quadrature(horizon, facet));
                 let error =
                     (fast.fraction - believed.fraction).abs().max((fast.moment - believed.moment).abs().max_element());
