@@ -92,7 +92,7 @@ pub fn fourier(terrain: &Terrain) -> Shadows {
     let directory = tempfile::tempdir().unwrap();
     let settings = Settings { azimuths: 120, ..Settings::default() };
     let of_level = |face: &Face, level: usize| {
-        horizon::build(face, level, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
+        horizon::build(&terrain.body, face, level, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
     };
     let of_face = |face: &Face| (0..face.levels.len()).map(|level| of_level(face, level)).collect();
     Shadows::Fourier(terrain.faces.iter().map(of_face).collect())
