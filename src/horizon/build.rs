@@ -2,7 +2,7 @@
 //!
 //! Azimuths are swept in blocks, one a thread, first those along the rows' axis, then those along the columns', so
 //! that one orientation of the heights is in memory at a time. Each plane is added to the coefficients and dropped.
-//! Every [`CHECKPOINT_EVERY`] the sums are saved beside the tile: an interrupted build goes on from there, to the same
+//! Every `CHECKPOINT_EVERY` the sums are saved beside the tile: an interrupted build goes on from there, to the same
 //! bytes.
 
 use std::fs;
