@@ -17,6 +17,7 @@ struct Sim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Bench(cli::bench::Args),
     Check(cli::check::Args),
     Horizon(cli::horizon::Args),
     Inspect(cli::inspect::Args),
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let outcome = match Sim::parse().command {
+        Command::Bench(args) => cli::bench::run(args),
         Command::Check(args) => cli::check::run(args),
         Command::Horizon(args) => cli::horizon::run(args),
         Command::Inspect(args) => cli::inspect::run(args),

@@ -1,6 +1,7 @@
 //! The program's subcommands, one file each: arguments in, text and exit code out.
 
 pub mod bars;
+pub mod bench;
 pub mod check;
 pub mod horizon;
 pub mod inspect;

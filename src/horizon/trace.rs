@@ -64,13 +64,22 @@ impl<'a> Tracer<'a> {
 
     /// The skyline from the observer's height above a lifted point `foot` of the ground.
     pub fn skyline(&self, foot: DVec3, direction: DVec2) -> Skyline {
+        self.skyline_up_to(foot, direction, std::f64::consts::FRAC_PI_2)
+    }
+
+    /// The skyline, or the first terrain that stands at `enough_rad` or higher: whoever only asks whether the skyline
+    /// is higher than that need not look further.
+    pub fn skyline_up_to(&self, foot: DVec3, direction: DVec2, enough_rad: f64) -> Skyline {
         let observer = raised(self.map, foot, self.settings.observer_height_m);
         let ground_m = self.foot(foot.truncate()).map_or(f64::NEG_INFINITY, |point| point.z);
         let on_ground = observer.z - ground_m < ON_GROUND_M;
         let observer = observer.truncate().extend(observer.z.max(ground_m));
 
         let end_m = self.levels.last().and_then(|level| stretch(level, observer.truncate(), direction));
-        let mut view = View { observer, direction, on_ground, slope: f64::NEG_INFINITY, distance_m: 0.0 };
+        // The tangent is affine in the slope.
+        let [level, one] = [0.0, 1.0].map(|slope| self.map.elevation_tangent(observer, direction, slope));
+        let enough = (enough_rad.tan() - level) / (one - level);
+        let mut view = View { observer, direction, on_ground, enough, slope: f64::NEG_INFINITY, distance_m: 0.0 };
         let (slope, distance_m) = skyline_beyond(self.map, observer, direction, end_m.map_or(0.0, |(_, out_m)| out_m));
         view.offer(slope, distance_m);
 
@@ -129,6 +138,8 @@ struct View {
     observer: DVec3,
     direction: DVec2,
     on_ground: bool,
+    /// Nobody asks for more.
+    enough: f64,
     slope: f64,
     distance_m: f64,
 }
@@ -148,7 +159,7 @@ impl View {
         let mut from_m = from_m;
         while from_m < to_m {
             let next_m = lines[0].next_m.min(lines[1].next_m).min(to_m);
-            if next_m > search_m {
+            if next_m > search_m || self.slope >= self.enough {
                 return;
             }
             if next_m > from_m {
