@@ -3,5 +3,6 @@
 mod architecture;
 mod cli;
 mod conformance;
+mod evaluate;
 mod invariants;
 mod reference;

@@ -29,7 +29,7 @@ use crate::quantity::SOLAR_RADIUS_M;
 /// What to measure.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The small scenes only, few azimuths for the clock.
+    /// The smallest scene only, in fewer azimuths.
     pub quick: bool,
     /// Folders that may hold real models.
     pub data: Vec<PathBuf>,
@@ -39,7 +39,7 @@ pub struct Options {
 
 impl Options {
     pub fn new(quick: bool, data: Vec<PathBuf>) -> Self {
-        Self { quick, data, pixels: 512, azimuths: 360 }
+        Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 } }
     }
 
     /// Runs of the clock, and azimuths in each.
@@ -82,9 +82,10 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
 
 fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
     let mut scenes = vec![Scene::synthetic(1024, 1)?];
-    if !options.quick {
-        scenes.push(Scene::synthetic(2048, 1)?);
+    if options.quick {
+        return Ok(scenes);
     }
+    scenes.push(Scene::synthetic(2048, 1)?);
     match Scene::connecting_ridge(&options.data)? {
         Some(scene) => scenes.push(scene),
         None => notes.push("Connecting ridge: skipped, its elevation models are in none of the data folders.".into()),
@@ -297,7 +298,7 @@ fn tile(
     forget_peak_memory();
     let start = Instant::now();
     let heard = |done: usize, total: usize| progress.at(done, total);
-    let map = horizon::build(&scene.face, 0, settings, encoding, &folder.path, &heard)?;
+    let map = horizon::build(&scene.body, &scene.face, 0, settings, encoding, &folder.path, &heard)?;
     let seconds = start.elapsed().as_secs_f64();
     let peak_mib = peak_memory_mib();
 
