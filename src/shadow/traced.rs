@@ -8,7 +8,7 @@ use crate::photometry::DiskLight;
 use crate::terrain::Surface;
 
 /// Beyond the disc's edge whatever the tangent's second order and rounding do.
-const ABOVE_DISC: f64 = 1.01;
+const BEYOND_DISC: f64 = 1.01;
 
 /// The believed horizon, traced anew for each site and each column of the disc.
 #[derive(Debug)]
@@ -23,7 +23,8 @@ impl Shadow for Traced<'_> {
         if disc.facet.height <= -disc.facet.slope.length() {
             return DiskLight::NONE;
         }
-        let tracer = Tracer::new(&self.surface.terrain.faces[site.face], &self.settings);
+        let tracer = Tracer::new(&self.surface.terrain.faces[site.face], &self.settings)
+            .with_pyramids(&self.surface.pyramids[site.face]);
         let at_m = site.lifted.truncate();
         let up = site.map.up(at_m).unit();
         let skyline = |x: f64| {
@@ -31,9 +32,9 @@ impl Shadow for Traced<'_> {
             let Some(column) = Direction::new(below) else { return f64::NEG_INFINITY };
             let towards = site.map.map_direction(at_m, column).normalize_or(glam::DVec2::Y);
             let column_rad = up.dot(column.unit()).clamp(-1.0, 1.0).asin();
-            // What stands above the disc hides the column, however high it is.
-            let enough_rad = column_rad + ABOVE_DISC * disc.angular_radius_rad;
-            let elevation_rad = tracer.skyline_up_to(site.lifted, towards, enough_rad).elevation_rad;
+            // How far above or below the disc the skyline is does not matter.
+            let ends_rad = [-BEYOND_DISC, BEYOND_DISC].map(|radii| column_rad + radii * disc.angular_radius_rad);
+            let elevation_rad = tracer.skyline_within(site.lifted, towards, ends_rad).elevation_rad;
             // Along the column the angle from the disc's centre line is all that counts.
             (elevation_rad - column_rad).tan() / disc.angular_radius_rad
         };

@@ -4,6 +4,7 @@ use perilune::evaluate::horizons::{errors, shadows, swept, traced};
 use perilune::evaluate::scenes::Scene;
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{Settings, measure::Sample};
+use perilune::terrain::Pyramid;
 
 #[test]
 fn swept_profiles_are_those_of_the_same_pixels_and_azimuths() {
@@ -25,26 +26,32 @@ fn swept_profiles_are_those_of_the_same_pixels_and_azimuths() {
 }
 
 #[test]
-fn a_skyline_looked_for_up_to_an_elevation_is_the_whole_one_below_it_and_not_lower_above() {
+fn a_skyline_looked_for_between_two_elevations_is_the_whole_one_between_them_and_on_the_same_side_beyond() {
     let scene = Scene::synthetic(128, 4).unwrap();
     let (settings, level) = (Settings::default(), &scene.face.levels[0]);
-    let tracer = Tracer::new(&scene.face, &settings);
-    let mut stopped = 0;
+    let pyramids = [Pyramid::new(level)];
+    let plain = Tracer::new(&scene.face, &settings);
+    let bounded = plain.with_pyramids(&pyramids);
+    let ends_rad = [4f64, 6.0].map(f64::to_radians);
+    let (mut lower, mut higher) = (0, 0);
     for pixel in Sample::of(level, 40, settings.azimuths).pixels {
         let foot = level.lifted_node(pixel[0], pixel[1]);
         for azimuth in 0..settings.azimuths {
             let direction = settings.direction(azimuth);
-            let whole_rad = tracer.skyline(foot, direction).elevation_rad;
-            let enough_rad = 6f64.to_radians();
-            let found_rad = tracer.skyline_up_to(foot, direction, enough_rad).elevation_rad;
-            // A slope compared instead of an angle: rounding only.
-            if whole_rad < enough_rad - 1e-12 {
+            let whole_rad = plain.skyline(foot, direction).elevation_rad;
+            assert_eq!(bounded.skyline(foot, direction).elevation_rad, whole_rad);
+            let found_rad = bounded.skyline_within(foot, direction, ends_rad).elevation_rad;
+            assert!(found_rad <= whole_rad);
+            // Slopes are compared, not angles: 1e-12 is rounding.
+            if whole_rad < ends_rad[0] - 1e-12 {
+                lower += usize::from(found_rad < whole_rad);
+            } else if whole_rad < ends_rad[1] - 1e-12 {
                 assert_eq!(found_rad, whole_rad);
             } else {
-                assert!(found_rad <= whole_rad && found_rad > enough_rad - 1e-12);
-                stopped += usize::from(found_rad < whole_rad);
+                assert!(found_rad > ends_rad[1] - 2e-12);
+                higher += usize::from(found_rad < whole_rad);
             }
         }
     }
-    assert!(stopped > 100, "{stopped}");
+    assert!(lower > 100 && higher > 100, "{lower} {higher}");
 }
