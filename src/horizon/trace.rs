@@ -171,7 +171,6 @@ impl View {
         let Some(mip) = pyramid.and_then(|pyramid| pyramid.mips.get(BLOCK_MIP)) else {
             return self.walk(level, from_m, to_m, search_m);
         };
-        // Cells a side: a power of two, so that distances to the blocks' edges are those to the cells' to the bit.
         let cells = (1 << BLOCK_MIP) as f64;
         let start = on_node(level.grid_from_map(self.observer.truncate())) / cells;
         let rate = self.direction / level.posting_m / cells;

@@ -11,12 +11,13 @@ use perilune::render::{Renderer, Shadows};
 use perilune::scenario::{self, Scenario};
 
 const SCENARIO: &str = "(
+    title: \"A small highland under a fixed Sun\",
     terrain: (dems: [Synthetic(columns: 192, rows: 192, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 5)]),
     shadows: Fourier,
     sun: (fixed: (azimuth_deg: 40, elevation_deg: 6)),
     trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -89, longitude_deg: 0, height_m: 8000)]),
     camera: (columns: 128, rows: 96, field_of_view_deg: 20, samples_per_pixel: 4),
-    exposures: [\"2026-11-06T00:00:00 UTC\"],
+    exposures: List([\"2026-11-06T00:00:00 UTC\"]),
     outputs: (planes: [radiance]),
 )";
 
