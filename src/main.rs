@@ -30,6 +30,7 @@ Exit codes: 0 done, 1 an error, 2 wrong arguments";
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Bench(cli::bench::Args),
     Check(cli::check::Args),
     Horizon(Box<cli::horizon::Args>),
     Inspect(cli::inspect::Args),
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let outcome = match Sim::parse().command {
+        Command::Bench(args) => cli::bench::run(args),
         Command::Check(args) => cli::check::run(args),
         Command::Horizon(args) => cli::horizon::run(*args),
         Command::Inspect(args) => cli::inspect::run(args),

@@ -3,6 +3,7 @@
 mod architecture;
 mod cli;
 mod conformance;
+mod evaluate;
 mod invariants;
 mod reference;
 mod scenes;

@@ -6,6 +6,7 @@ use std::io::Write as _;
 use perilune::geometry::Geodetic;
 
 pub mod bars;
+pub mod bench;
 pub mod check;
 pub mod horizon;
 pub mod inspect;

@@ -69,7 +69,7 @@ impl From<Adapter> for AdapterChoice {
     }
 }
 
-fn exposures(text: &str) -> Result<Range<usize>, String> {
+pub fn exposures(text: &str) -> Result<Range<usize>, String> {
     let want = || format!("want A..B, as in 0..24, got {text}");
     let (from, until) = text.split_once("..").ok_or_else(want)?;
     let number = |part: &str| part.trim().parse::<usize>().map_err(|_| want());

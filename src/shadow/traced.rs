@@ -2,9 +2,13 @@
 
 use super::{Disc, Shadow, Site};
 use crate::geometry::Direction;
-use crate::horizon::{Settings, trace};
+use crate::horizon::Settings;
+use crate::horizon::trace::Tracer;
 use crate::photometry::DiskLight;
 use crate::terrain::Surface;
+
+/// Beyond the disc's edge whatever the tangent's second order and rounding do.
+const BEYOND_DISC: f64 = 1.01;
 
 /// The believed horizon, traced anew for each site and each column of the disc.
 #[derive(Debug)]
@@ -15,16 +19,24 @@ pub struct Traced<'a> {
 
 impl Shadow for Traced<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
-        let face = &self.surface.terrain.faces[site.face];
+        // A facet that turns away from the whole disc needs no skyline.
+        if disc.facet.height <= -disc.facet.slope.length() {
+            return DiskLight::NONE;
+        }
+        let tracer = Tracer::new(&self.surface.terrain.faces[site.face], &self.settings)
+            .with_pyramids(&self.surface.pyramids[site.face]);
         let at_m = site.lifted.truncate();
         let up = site.map.up(at_m).unit();
         let skyline = |x: f64| {
             let below = disc.axes.sun.unit() + disc.angular_radius_rad * x * disc.axes.x.unit();
             let Some(column) = Direction::new(below) else { return f64::NEG_INFINITY };
             let towards = site.map.map_direction(at_m, column).normalize_or(glam::DVec2::Y);
-            let elevation_rad = trace::elevation_rad(face, site.lifted, towards, &self.settings);
+            let column_rad = up.dot(column.unit()).clamp(-1.0, 1.0).asin();
+            // How far above or below the disc the skyline is does not matter.
+            let ends_rad = [-BEYOND_DISC, BEYOND_DISC].map(|radii| column_rad + radii * disc.angular_radius_rad);
+            let elevation_rad = tracer.skyline_within(site.lifted, towards, ends_rad).elevation_rad;
             // Along the column the angle from the disc's centre line is all that counts.
-            (elevation_rad - up.dot(column.unit()).clamp(-1.0, 1.0).asin()).tan() / disc.angular_radius_rad
+            (elevation_rad - column_rad).tan() / disc.angular_radius_rad
         };
         disc.disk.light_above(&skyline, disc.facet)
     }

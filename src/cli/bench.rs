@@ -1,0 +1,113 @@
+//! `sim bench`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use perilune::evaluate::{Report, frame, horizons, shadows};
+use perilune::scenario;
+
+use super::bars::Bars;
+use super::run::exposures;
+use super::{Outcome, about};
+
+/// Measure how fast and how right: horizons, images, shadows.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    bench: Bench,
+}
+
+#[derive(Debug, Subcommand)]
+enum Bench {
+    /// Speed, error and memory of horizons, and of the shadows they cast.
+    Horizon {
+        /// The smallest scene only, in a third of the azimuths
+        #[arg(long)]
+        quick: bool,
+        /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.
+        #[arg(long)]
+        data: Vec<PathBuf>,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Where the time of an image goes.
+    Frame {
+        #[command(flatten)]
+        scene: Scene,
+        /// Exposures A to B−1, counted from 0, written A..B [default: the first four]
+        #[arg(long, value_parser = exposures)]
+        frames: Option<std::ops::Range<usize>>,
+        /// Times that each exposure is rendered
+        #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        repeat: usize,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// One exposure with every shadow method against traced shadows.
+    Shadows {
+        #[command(flatten)]
+        scene: Scene,
+        /// Counted from 0
+        #[arg(long, default_value_t = 0)]
+        exposure: usize,
+        /// Pixels along the longer side of the image
+        #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=16384))]
+        size: u32,
+        #[command(flatten)]
+        output: Output,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct Scene {
+    /// The scenario; a bare name is also looked for in `scenarios/`.
+    scenario: PathBuf,
+    /// A directory in which files are looked for, before `SIM_DATA`. Repeatable.
+    #[arg(long)]
+    data: Vec<PathBuf>,
+    /// Where synthetic terrain and horizon tiles are kept for the next run.
+    #[arg(long, default_value = "output/cache")]
+    cache: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+struct Output {
+    /// Where the tables and the page go.
+    #[arg(long, short, default_value = "output/benchmark")]
+    output: PathBuf,
+    /// Print the tables as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args) -> Outcome {
+    let bars = Bars::new();
+    let (report, output) = match args.bench {
+        Bench::Horizon { quick, mut data, output } => {
+            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
+            (horizons::run(&horizons::Options::new(quick, data), &bars)?, output)
+        }
+        Bench::Frame { scene, frames, repeat, output } => {
+            let options = frame::Options { exposures: frames, repeat, cache: scene.cache };
+            (frame::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
+        }
+        Bench::Shadows { scene, exposure, size, output } => {
+            let options = shadows::Options { exposure, pixels: size, cache: scene.cache };
+            (shadows::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
+        }
+    };
+    bars.clear();
+    print(&report, &output.output, output.json)
+}
+
+fn print(report: &Report, directory: &Path, json: bool) -> Outcome {
+    let files = report.write(directory)?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report.json())?);
+    } else {
+        print!("{}", report.text());
+        println!("\nwritten:");
+        files.iter().for_each(|path| println!("{}", path.display()));
+    }
+    Ok(())
+}

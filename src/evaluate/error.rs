@@ -1,0 +1,34 @@
+//! What can go wrong while measuring.
+
+use std::path::PathBuf;
+
+/// Any stage's error; the stages' own say what was met and what is allowed.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Pipeline(#[from] crate::pipeline::Error),
+    #[error(transparent)]
+    Raster(#[from] crate::raster::Error),
+    #[error(transparent)]
+    Synthetic(#[from] crate::terrain::synthetic::Error),
+    #[error(transparent)]
+    Terrain(#[from] crate::terrain::build::Error),
+    #[error(transparent)]
+    Horizon(#[from] crate::horizon::Error),
+    #[error(transparent)]
+    Photometry(#[from] crate::photometry::PhotometryError),
+    #[error(transparent)]
+    Render(#[from] crate::render::RenderError),
+    #[error(transparent)]
+    Dataset(#[from] crate::dataset::DatasetError),
+    #[error("cannot write {path}")]
+    Write { path: PathBuf, source: std::io::Error },
+    #[error("cannot encode the image {name} as PNG")]
+    Png { name: String, source: image::ImageError },
+    #[error("{key} = {got} is outside [{}, {}]", allowed[0], allowed[1])]
+    Range { key: &'static str, got: usize, allowed: [usize; 2] },
+    #[error("the scenario has no terrain, there is nothing to cast a shadow")]
+    NoTerrain,
+    #[error("exposure {exposure} sees no ground with heights")]
+    NoGround { exposure: usize },
+}

@@ -1,0 +1,144 @@
+//! Where the time of an image goes, from the terrain to the file.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::shadows::reduced;
+use super::statistics::median;
+use super::{Error, Machine, Report, Table, Value};
+use crate::dataset::write_exr;
+use crate::gpu::{Adapter, Gpu};
+use crate::pipeline::{self, Exposure, Progress};
+use crate::render::passes::Passes;
+use crate::render::reference::Reference;
+use crate::render::{Quantity, Renderer, Scene, planes};
+use crate::scenario::Scenario;
+
+/// What to time.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The first exposure and the one after the last; `None`: the first four.
+    pub exposures: Option<std::ops::Range<usize>>,
+    /// Times that each exposure is rendered.
+    pub repeat: usize,
+    pub cache: PathBuf,
+}
+
+/// Pixels along the longer side.
+const SIZES: [u32; 2] = [512, 1024];
+
+/// Times a scenario's stages and images.
+pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
+    let machine = Machine::here();
+    let count = scenario.exposures.len();
+    let chosen = options.exposures.clone().unwrap_or(0..count.min(4));
+    if chosen.is_empty() || chosen.end > count {
+        return Err(Error::Range { key: "exposures", got: chosen.end, allowed: [1, count] });
+    }
+    let mut stages = Table::new("stages", "Before the first image", &[("stage", ""), ("time", "s")]);
+    let mut images = Table::new(
+        "images",
+        "An image, medians",
+        &[
+            ("pixels", ""),
+            ("rays per pixel", ""),
+            ("planes", ""),
+            ("all", "s"),
+            ("device", "s"),
+            ("readback", "s"),
+            ("planes", "s"),
+            ("writing", "s"),
+            ("file", "MiB"),
+            ("rendered", "images/s"),
+            ("written too", "images/s"),
+        ],
+    );
+    let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&error.to_string())).ok();
+
+    let clock = Instant::now();
+    let mut prepared = pipeline::prepare(scenario, &options.cache, progress)?;
+    stages.rows.push(vec!["kernels, terrain, poses".into(), lap(clock).into()]);
+    for stage in ["horizons, built or read", "horizons, read again"] {
+        let clock = Instant::now();
+        pipeline::scene(scenario, &mut prepared.ground, &options.cache, progress)?;
+        stages.rows.push(vec![stage.into(), lap(clock).into()]);
+    }
+
+    progress.begin("rendering", 2 * SIZES.len(), "series");
+    for size in SIZES {
+        let mut sized = reduced(scenario, size);
+        sized.camera.samples_per_pixel = scenario.camera.samples_per_pixel;
+        for quantities in [vec![Quantity::Radiance], scenario.outputs.planes.clone()] {
+            sized.outputs.planes = quantities;
+            let scene = pipeline::scene(&sized, &mut prepared.ground, &options.cache, &pipeline::Silent)?;
+            let mut passes = gpu.as_ref().map(Passes::new);
+            let mut reference = Reference;
+            let renderer: &mut dyn Renderer = match &mut passes {
+                Some(passes) => passes,
+                None => &mut reference,
+            };
+            images.rows.push(series(renderer, &scene, &prepared.exposures[chosen.clone()], options.repeat)?);
+            progress.at(images.rows.len(), 2 * SIZES.len());
+        }
+    }
+    let adapter = gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe);
+    Ok(Report {
+        name: "frame",
+        title: format!("Images of {}, exposures {}..{}", scenario.name, chosen.start, chosen.end),
+        machine,
+        notes: vec![
+            format!("Rendered by {adapter}; {} times each.", options.repeat),
+            "Device: timestamps around the passes. Readback: the rest of the renderer's call, submission included."
+                .into(),
+            "Planes: ground truth in f64 on the CPU. Writing: one OpenEXR file, one image after the other; \
+             `sim run` writes on another thread while the next image is rendered."
+                .into(),
+        ],
+        tables: vec![stages, images],
+        plots: Vec::new(),
+        pictures: Vec::new(),
+    })
+}
+
+/// Medians over some exposures, as a row of the table.
+fn series(
+    renderer: &mut dyn Renderer,
+    scene: &Scene,
+    exposures: &[Exposure],
+    repeat: usize,
+) -> Result<Vec<Value>, Error> {
+    // The first image uploads the terrain.
+    renderer.samples(scene, &exposures[0].view)?;
+    let path = std::env::temp_dir().join(format!("perilune-bench-{}.exr", std::process::id()));
+    let mut laps: [Vec<f64>; 5] = Default::default();
+    let mut bytes = 0;
+    for exposure in exposures.iter().cycle().take(repeat * exposures.len()) {
+        let clock = Instant::now();
+        let samples = renderer.samples(scene, &exposure.view)?;
+        let rendered = lap(clock);
+        let device = renderer.device_time().map_or(f64::NAN, |time| time.as_secs_f64());
+        let planes_clock = Instant::now();
+        let image = planes::image(scene, &exposure.view, &samples);
+        let planes = lap(planes_clock);
+        let writing_clock = Instant::now();
+        write_exr(&path, &image, &serde_json::Value::Null)?;
+        let writing = lap(writing_clock);
+        bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
+        let measured = [lap(clock), device, rendered - device, planes, writing];
+        laps.iter_mut().zip(measured).for_each(|(laps, seconds)| laps.push(seconds));
+    }
+    // What cannot be removed is the temporary folder's to clear.
+    let _ = std::fs::remove_file(&path);
+    let [all, device, readback, planes, writing] = laps.map(|laps| median(laps).unwrap_or(f64::NAN));
+    let pixels = f64::from(scene.optics.columns) * f64::from(scene.optics.rows);
+    let rays = (scene.samples_per_side * scene.samples_per_side) as f64;
+    let mut row: Vec<Value> = [pixels, rays].map(Value::from).to_vec();
+    row.push(if scene.needs_centres() { "with ground truth" } else { "radiance" }.into());
+    let times = [all, device, readback, planes, writing, bytes as f64 / 1_048_576.0, 1.0 / (all - writing), 1.0 / all];
+    row.extend(times.map(Value::from));
+    Ok(row)
+}
+
+fn lap(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}

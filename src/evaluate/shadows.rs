@@ -1,0 +1,309 @@
+//! One exposure with every shadow method, against traced shadows.
+//!
+//! Truth is the reference renderer with a horizon traced for each column of the Sun's disc: `f64`, every grid line
+//! of every level. All methods see the same rays, one through the centre of each pixel. For a pixel on terrain with
+//! share `V` of the disc and irradiance `E` of the ground, `E₀` that of a plane facing the whole Sun:
+//!
+//! ```text
+//! agreement = share of pixels with (V ≥ ½) = (V_truth ≥ ½)        error = (E − E_truth)/E₀
+//! ```
+//!
+//! # Assumptions
+//! Truth sums the disc in 24 columns: `V` within 1e-3 where the skyline is smooth across the disc, within a column's
+//! width where it has a step. Pixels on the bare spheroid and on gaps do not count.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::plot::{Axis, Curve, Plot};
+use super::report::Picture;
+use super::statistics::Errors;
+use super::{Error, Machine, Report, Table, Value};
+use crate::ephemeris::{horizontal, utc_text};
+use crate::gpu::{Adapter, Gpu};
+use crate::pipeline::{self, Prepared, Progress};
+use crate::render::passes::Passes;
+use crate::render::planes::Radiometry;
+use crate::render::reference::Reference;
+use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
+use crate::scenario::{self, Scenario};
+use crate::terrain::Ground;
+
+/// What to compare.
+#[derive(Debug, Clone)]
+pub struct Options {
+    pub exposure: usize,
+    /// Pixels along the longer side of the image.
+    pub pixels: u32,
+    pub cache: PathBuf,
+}
+
+/// Shares of the disc nearer than this to none or all of it are not penumbra: the error of the truth's columns.
+const PENUMBRA: f64 = 1e-3;
+
+/// How a method differs from the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Pixels on terrain.
+    pub ground: usize,
+    /// Shares of them.
+    pub agreement: f64,
+    pub lit_in_the_dark: f64,
+    pub dark_in_the_light: f64,
+    /// Of the irradiance, in units of full Sun.
+    pub irradiance: Errors,
+    /// The same where the truth sees a part of the disc.
+    pub penumbra: Errors,
+}
+
+/// Compares shadows where `ground` says so; `full_w_m2` is the irradiance of a plane that faces the whole Sun.
+pub fn compare(truth: &[Radiometry], tried: &[Radiometry], ground: &[bool], full_w_m2: f64) -> Comparison {
+    let pairs: Vec<_> =
+        truth.iter().zip(tried).zip(ground).filter(|(_, ground)| **ground).map(|(pair, _)| pair).collect();
+    let share = |wrong: &dyn Fn(bool, bool) -> bool| {
+        let found = pairs.iter().filter(|(truth, tried)| wrong(lit(truth), lit(tried))).count();
+        found as f64 / pairs.len().max(1) as f64
+    };
+    let error = |(truth, tried): &(&Radiometry, &Radiometry)| {
+        f64::from(tried.irradiance_w_m2 - truth.irradiance_w_m2) / full_w_m2
+    };
+    let partial =
+        |(truth, _): &&(&Radiometry, &Radiometry)| (PENUMBRA..1.0 - PENUMBRA).contains(&f64::from(truth.sun_fraction));
+    Comparison {
+        ground: pairs.len(),
+        agreement: share(&|truth, tried| truth == tried),
+        lit_in_the_dark: share(&|truth, tried| !truth && tried),
+        dark_in_the_light: share(&|truth, tried| truth && !tried),
+        irradiance: Errors::of(pairs.iter().map(error)),
+        penumbra: Errors::of(pairs.iter().filter(partial).map(error)),
+    }
+}
+
+/// Half the disc and more.
+fn lit(pixel: &Radiometry) -> bool {
+    pixel.sun_fraction >= 0.5
+}
+
+/// The scenario seen through a camera of `pixels` along its longer side, one ray a pixel.
+pub fn reduced(scenario: &Scenario, pixels: u32) -> Scenario {
+    let mut reduced = scenario.clone();
+    let camera = &mut reduced.camera;
+    let scale = f64::from(pixels) / f64::from(camera.columns.max(camera.rows));
+    let side = |side: u32| ((f64::from(side) * scale).round() as u32).max(1);
+    (camera.columns, camera.rows) = (side(camera.columns), side(camera.rows));
+    camera.focal_length_px *= scale;
+    camera.principal_point_px = camera.principal_point_px.map(|middle| middle * scale);
+    camera.pixel_pitch_m = camera.pixel_pitch_m.map(|pitch_m| pitch_m / scale);
+    camera.samples_per_pixel = 1;
+    reduced.detector = None;
+    reduced.outputs.planes = vec![Quantity::Radiance];
+    reduced
+}
+
+/// Renders an exposure with every method and compares.
+pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
+    let machine = Machine::here();
+    let scenario = scenario::Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) };
+    if scenario.terrain.is_none() {
+        return Err(Error::NoTerrain);
+    }
+    let last = scenario.exposures.len() - 1;
+    if options.exposure > last {
+        return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
+    }
+    let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
+    let scene = pipeline::scene(&scenario, &mut prepared.ground, &options.cache, progress)?;
+    let view = prepared.exposures[options.exposure].view.clone();
+    let (truth, trials) = render_all(scene, &view, traced_settings(&scenario), progress)?;
+    let ground: Vec<bool> = truth
+        .samples
+        .centres
+        .iter()
+        .map(|hit| hit.as_ref().is_some_and(|hit| matches!(hit.ground, Ground::Dem { .. })))
+        .collect();
+    if !ground.contains(&true) {
+        return Err(Error::NoGround { exposure: options.exposure });
+    }
+    report(machine, &scenario, &prepared, options, &view, &truth, &trials, &ground)
+}
+
+fn traced_settings(scenario: &Scenario) -> crate::horizon::Settings {
+    crate::horizon::Settings {
+        azimuths: scenario.horizon.azimuths as usize,
+        search_m: scenario.horizon.search_m,
+        observer_height_m: scenario.horizon.observer_height_m,
+    }
+}
+
+/// An image of one method.
+struct Trial {
+    method: String,
+    samples: Samples,
+    /// From the renderer's call to its samples in memory; buffers were uploaded before.
+    seconds: f64,
+    device_seconds: Option<f64>,
+}
+
+/// The truth, then all others.
+fn render_all(
+    mut scene: Scene,
+    view: &View,
+    traced: crate::horizon::Settings,
+    progress: &dyn Progress,
+) -> Result<(Trial, Vec<Trial>), Error> {
+    let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
+    let mut trials = Vec::new();
+    progress.begin("rendering", 5, "images");
+    for method in ["fourier", "none"] {
+        if let Some(gpu) = &gpu {
+            let mut passes = Passes::new(gpu);
+            // The first image uploads the terrain.
+            passes.samples(&scene, view)?;
+            trials.push(trial(format!("{method}, device"), &mut passes, &scene, view)?);
+        }
+        trials.push(trial(format!("{method}, reference"), &mut Reference, &scene, view)?);
+        scene.shadows = Shadows::None;
+        progress.at(trials.len(), 5);
+    }
+    scene.shadows = Shadows::Traced(traced);
+    // Asks for the hits of the pixels' centres.
+    scene.quantities = vec![Quantity::DemGap];
+    let truth = trial("traced, reference".into(), &mut Reference, &scene, view)?;
+    progress.at(5, 5);
+    Ok((truth, trials))
+}
+
+fn trial(method: String, renderer: &mut dyn Renderer, scene: &Scene, view: &View) -> Result<Trial, Error> {
+    let start = Instant::now();
+    let samples = renderer.samples(scene, view)?;
+    let device_seconds = renderer.device_time().map(|time| time.as_secs_f64());
+    Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), device_seconds })
+}
+
+#[allow(clippy::too_many_arguments)]
+fn report(
+    machine: Machine,
+    scenario: &Scenario,
+    prepared: &Prepared,
+    options: &Options,
+    view: &View,
+    truth: &Trial,
+    trials: &[Trial],
+    ground: &[bool],
+) -> Result<Report, Error> {
+    let exposure = &prepared.exposures[options.exposure];
+    let full_w_m2 = view.lights[0].irradiance_w_m2;
+    let mut methods = Table::new(
+        "methods",
+        "Shadows against traced ones; errors in shares of full Sun",
+        &[
+            ("method", ""),
+            ("agreement", "%"),
+            ("lit in the dark", "%"),
+            ("dark in the light", "%"),
+            ("mean", ""),
+            ("RMS", ""),
+            ("p99", ""),
+            ("max", ""),
+            ("penumbra mean", ""),
+            ("penumbra RMS", ""),
+            ("penumbra p99", ""),
+            ("penumbra max", ""),
+            ("time", "s"),
+            ("device", "s"),
+        ],
+    );
+    let mut pictures = Vec::new();
+    let mut points = Vec::new();
+    for trial in trials {
+        let found = compare(&truth.samples.pixels, &trial.samples.pixels, ground, full_w_m2);
+        let Comparison { irradiance: all, penumbra, .. } = found;
+        let shares = [found.agreement, found.lit_in_the_dark, found.dark_in_the_light].map(|share| 100.0 * share);
+        let errors = [all.mean, all.rms, all.p99, all.max, penumbra.mean, penumbra.rms, penumbra.p99, penumbra.max];
+        let mut row = vec![Value::Text(trial.method.clone())];
+        row.extend(shares.into_iter().chain(errors).chain([trial.seconds]).map(Value::from));
+        row.push(trial.device_seconds.into());
+        methods.rows.push(row);
+        points.push(Curve { name: trial.method.clone(), points: vec![[trial.seconds, all.rms]], joined: false });
+        pictures.push(picture(scenario, truth, trial, ground)?);
+    }
+    let mut row = vec![Value::Text(truth.method.clone()), 100.0.into()];
+    row.extend([0.0; 10].map(Value::from));
+    row.extend([truth.seconds.into(), Value::Missing]);
+    methods.rows.push(row);
+
+    let sky = horizontal(&prepared.frame.body, prepared.ground.centre, exposure.sun.direction);
+    let partial = |pixel: &Radiometry| (PENUMBRA..1.0 - PENUMBRA).contains(&f64::from(pixel.sun_fraction));
+    let on_ground = || truth.samples.pixels.iter().zip(ground).filter(|(_, ground)| **ground).map(|(pixel, _)| pixel);
+    let share = |count: usize| 100.0 * count as f64 / on_ground().count() as f64;
+    let mut scene = Table::new(
+        "scene",
+        "The exposure",
+        &[
+            ("scenario", ""),
+            ("epoch", ""),
+            ("columns", ""),
+            ("rows", ""),
+            ("on terrain", "%"),
+            ("lit", "%"),
+            ("penumbra", "%"),
+            ("Sun elevation", "deg"),
+            ("Sun azimuth", "deg"),
+        ],
+    );
+    let pixels = f64::from(scenario.camera.columns * scenario.camera.rows);
+    scene.rows.push(vec![
+        scenario.name.as_str().into(),
+        utc_text(exposure.epoch).as_str().into(),
+        f64::from(scenario.camera.columns).into(),
+        f64::from(scenario.camera.rows).into(),
+        (100.0 * on_ground().count() as f64 / pixels).into(),
+        share(on_ground().filter(|pixel| lit(pixel)).count()).into(),
+        share(on_ground().filter(|pixel| partial(pixel)).count()).into(),
+        sky.elevation_rad.to_degrees().into(),
+        sky.azimuth_rad.to_degrees().into(),
+    ]);
+    Ok(Report {
+        name: "shadows",
+        title: format!("Shadows of {}, exposure {}", scenario.name, options.exposure),
+        machine,
+        notes: vec![
+            "Truth: horizons traced over every grid line for 24 columns of the Sun's disc, reference renderer, f64."
+                .into(),
+            "Agreement: both see half the disc or more, or both less. Only pixels on terrain count.".into(),
+            "Times include readback; on a shared machine they are upper bounds.".into(),
+        ],
+        tables: vec![scene, methods],
+        plots: vec![Plot {
+            title: "Error against time".into(),
+            x: Axis::logarithmic("time of an image [s]"),
+            y: Axis::logarithmic("RMS error of irradiance [full Sun]"),
+            curves: points,
+        }],
+        pictures,
+    })
+}
+
+/// Grey radiance of the truth; red where the truth is dark and the method lit, blue where it is the other way round.
+fn picture(scenario: &Scenario, truth: &Trial, trial: &Trial, ground: &[bool]) -> Result<Picture, Error> {
+    let radiances = || truth.samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr));
+    let white = Errors::of(radiances().filter(|radiance| radiance.is_finite())).p99.max(f64::MIN_POSITIVE);
+    let colour = |index: usize| {
+        let (a, b) = (&truth.samples.pixels[index], &trial.samples.pixels[index]);
+        match (ground[index], lit(a), lit(b)) {
+            (true, false, true) => image::Rgb([255, 0, 0]),
+            (true, true, false) => image::Rgb([0, 80, 255]),
+            _ => {
+                let share = (f64::from(a.radiance_w_m2_sr) / white).clamp(0.0, 1.0);
+                image::Rgb([(255.0 * share.powf(1.0 / 2.2)) as u8; 3])
+            }
+        }
+    };
+    let (columns, rows) = (scenario.camera.columns, scenario.camera.rows);
+    let image = image::RgbImage::from_fn(columns, rows, |column, row| colour((row * columns + column) as usize));
+    let mut png = std::io::Cursor::new(Vec::new());
+    let name = trial.method.replace(", ", "_");
+    image.write_to(&mut png, image::ImageFormat::Png).map_err(|source| Error::Png { name: name.clone(), source })?;
+    let caption = format!("{}: red is lit where the truth is dark, blue dark where the truth is lit", trial.method);
+    Ok(Picture { name, caption, png: png.into_inner() })
+}

@@ -1,0 +1,4 @@
+//! What the benchmarks say, held to cases where the answer is known.
+
+mod horizons;
+mod shadows;

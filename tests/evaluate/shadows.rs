@@ -1,0 +1,77 @@
+//! Images with and without shadows, and under another Sun.
+
+use std::path::Path;
+
+use perilune::evaluate::Value;
+use perilune::evaluate::shadows::{Options, compare, reduced, run};
+use perilune::geometry::Position;
+use perilune::pipeline::{self, Silent};
+use perilune::render::reference::Reference;
+use perilune::render::{Renderer, Shadows};
+use perilune::scenario::{self, Scenario};
+
+const SCENARIO: &str = "(
+    title: \"A small highland under a fixed Sun\",
+    terrain: (dems: [Synthetic(columns: 192, rows: 192, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 5)]),
+    shadows: Fourier,
+    sun: (fixed: (azimuth_deg: 40, elevation_deg: 6)),
+    trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -89, longitude_deg: 0, height_m: 8000)]),
+    camera: (columns: 128, rows: 96, field_of_view_deg: 20, samples_per_pixel: 4),
+    exposures: List([\"2026-11-06T00:00:00 UTC\"]),
+    outputs: (planes: [radiance]),
+)";
+
+fn small(folder: &Path) -> Scenario {
+    let path = folder.join("small.ron");
+    std::fs::write(&path, SCENARIO).unwrap();
+    scenario::load(&path, &[], &|_| None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_reduced_camera_sees_the_same_field_with_one_ray_a_pixel() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let whole = small(folder.path()).camera;
+    let part = reduced(&small(folder.path()), 64).camera;
+    assert_eq!((part.columns, part.rows, part.samples_per_pixel), (64, 48, 1));
+    assert_eq!(part.focal_length_px, whole.focal_length_px / 2.0);
+    assert_eq!(part.principal_point_px, whole.principal_point_px.map(|middle| middle / 2.0));
+}
+
+#[test]
+fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let options = Options { exposure: 0, pixels: 64, cache: folder.path().join("cache") };
+    let report = run(&small(folder.path()), &options, &Silent).unwrap_or_else(|error| panic!("{error}"));
+    let agreement = |method: &str| {
+        let rows = &report.tables[1].rows;
+        let row = rows.iter().find(|row| row[0].text() == method).unwrap_or_else(|| panic!("{method} is missing"));
+        match row[1] {
+            Value::Number(percent) => percent,
+            _ => f64::NAN,
+        }
+    };
+    assert!(agreement("fourier, reference") > 96.0, "{}", report.text());
+    assert!(agreement("none, reference") < agreement("fourier, reference") - 2.0, "{}", report.text());
+    assert!(report.pictures.iter().all(|picture| picture.png.starts_with(b"\x89PNG")));
+}
+
+#[test]
+fn a_sun_elsewhere_lowers_the_agreement() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
+    let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
+    let mut scene = pipeline::scene(&scenario, &mut prepared.ground, &cache, &Silent).unwrap();
+    scene.shadows = Shadows::Traced(Default::default());
+    let mut view = prepared.exposures[0].view.clone();
+    let truth = Reference.samples(&scene, &view).unwrap().pixels;
+    let (ground, full_w_m2) = (vec![true; truth.len()], view.lights[0].irradiance_w_m2);
+    let same = compare(&truth, &truth, &ground, full_w_m2);
+    assert_eq!((same.agreement, same.irradiance.max), (1.0, 0.0));
+
+    // A quarter turn about the axis of the Moon, which stands 1° from the zenith here.
+    let sun = view.lights[0].position.vector_m();
+    view.lights[0].position = Position::from_m(glam::DVec3::new(-sun.y, sun.x, sun.z));
+    let turned = Reference.samples(&scene, &view).unwrap().pixels;
+    let other = compare(&truth, &turned, &ground, full_w_m2);
+    assert!(other.agreement < 0.9 && other.irradiance.rms > 0.02, "{other:?}");
+}
