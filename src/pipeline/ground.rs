@@ -9,7 +9,7 @@ use crate::horizon::{self, HorizonMap};
 use crate::raster::{self, Dem};
 use crate::scenario::{self, Scenario};
 use crate::terrain::build::MAX_NODES_PER_SIDE;
-use crate::terrain::synthetic::{self, Parameters};
+use crate::terrain::synthetic::{self, Parameters, Synthetic};
 use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
@@ -36,9 +36,10 @@ pub fn surface(scenario: &Scenario, body: &Body, cache: &Path, progress: &dyn Pr
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
     };
+    let mut made = synthetic_files(body, &terrain.dems, cache, progress)?.into_iter();
     let mut dems = Vec::new();
     for written in &terrain.dems {
-        dems.push(open(written, body, cache, progress)?);
+        dems.push(open(written, body, &mut made, progress)?);
     }
     let mut inputs = Vec::new();
     for dem in &dems {
@@ -90,14 +91,18 @@ fn middle(dem: &Dem) -> Result<Geodetic, Error> {
     Ok(Geodetic { height_m: 0.0, ..point })
 }
 
-fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Dem, Error> {
+/// `made` holds the files of synthetic models, in order.
+fn open(
+    written: &scenario::Dem,
+    body: &Body,
+    made: &mut impl Iterator<Item = PathBuf>,
+    progress: &dyn Progress,
+) -> Result<Dem, Error> {
     let (path, values, posting_m) = match written {
         scenario::Dem::File { path, values, posting_m, .. } => (path.clone(), *values, *posting_m),
         scenario::Dem::Cube { path, values, posting_m } => (path.clone(), *values, *posting_m),
-        &scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } => {
-            let parameters =
-                Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) };
-            (synthetic_file(body, &parameters, cache, progress)?, scenario::Values::Height, None)
+        scenario::Dem::Synthetic { .. } => {
+            (made.next().expect("one file a synthetic model"), scenario::Values::Height, None)
         }
     };
     progress.begin(&format!("reading {}", file_name(&path)), 1, "file");
@@ -109,28 +114,53 @@ fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progr
     Ok(Dem::open(&path, body, &raster::Options { values, posting_m, ..Default::default() })?)
 }
 
-/// A synthetic terrain's file, made where it is not there yet. Its name holds all that shapes it.
-fn synthetic_file(
+/// The synthetic models' files, finest first, made where they are not there yet. A name holds all that shapes the
+/// file: its model's parameters and those of all coarser ones, which it continues.
+fn synthetic_files(
     body: &Body,
-    parameters: &Parameters,
+    dems: &[scenario::Dem],
     cache: &Path,
     progress: &dyn Progress,
-) -> Result<PathBuf, Error> {
-    let shape = format!("{} {body:?} {parameters:?}", env!("CARGO_PKG_VERSION"));
-    let key = crate::ephemeris::sha256_hex(shape.as_bytes());
-    let path = cache.join("terrain").join(format!("highland-{}.tif", &key[..16]));
-    if path.is_file() {
-        return Ok(path);
+) -> Result<Vec<PathBuf>, Error> {
+    let parameters = |dem: &scenario::Dem| match *dem {
+        scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } => {
+            Some(Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) })
+        }
+        _ => None,
+    };
+    let coarsest_first: Vec<Parameters> = dems.iter().rev().filter_map(parameters).collect();
+    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
+    let mut files = Vec::new();
+    for parameters in &coarsest_first {
+        shape += &format!(" {parameters:?}");
+        let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+        files.push(cache.join("terrain").join(format!("highland-{}.tif", &key[..16])));
     }
-    progress.begin("making terrain", 0, "craters");
-    let terrain = synthetic::generate(body, parameters, &|done, total| progress.at(done, total))?;
-    let folder = path.parent().unwrap_or(cache);
+    if !files.iter().all(|path| path.is_file()) {
+        let mut coarse = None;
+        for (parameters, path) in coarsest_first.iter().zip(&files) {
+            progress.begin("making terrain", 0, "craters");
+            let heard = |done: usize, total: usize| progress.at(done, total);
+            let terrain = match &coarse {
+                Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
+                None => synthetic::generate(body, parameters, &heard)?,
+            };
+            keep(&terrain, path)?;
+            coarse = Some(terrain);
+        }
+    }
+    files.reverse();
+    Ok(files)
+}
+
+/// Writes a synthetic terrain and its craters.
+fn keep(terrain: &Synthetic, path: &Path) -> Result<(), Error> {
+    let folder = path.parent().unwrap_or(path);
     std::fs::create_dir_all(folder).map_err(|source| Error::Unwritable { path: folder.into(), source })?;
     // The craters first: the terrain's name says that both are there.
     let craters = path.with_extension("craters.csv");
     std::fs::write(&craters, terrain.craters_csv()).map_err(|source| Error::Unwritable { path: craters, source })?;
-    terrain.write(&path)?;
-    Ok(path)
+    Ok(terrain.write(path)?)
 }
 
 /// Horizon maps of all levels, by face, from tiles that are built where they are not there yet.
