@@ -1,5 +1,6 @@
 //! From the scenario's elevation models to the surface and its horizons.
 
+use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 
 use super::{Error, Progress};
@@ -36,20 +37,20 @@ pub fn surface(scenario: &Scenario, body: &Body, cache: &Path, progress: &dyn Pr
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
     };
-    let mut made = synthetic_files(body, &terrain.dems, cache, progress)?.into_iter();
+    let paths = paths(body, &terrain.dems, cache, progress)?;
+    let centre = match terrain.centre {
+        Some(centre) => centre,
+        None => Dem::middle(&paths[0])?,
+    };
     let mut dems = Vec::new();
-    for written in &terrain.dems {
-        dems.push(open(written, body, &mut made, progress)?);
+    for (written, path) in terrain.dems.iter().zip(&paths) {
+        dems.push(open(written, path, body, centre, progress)?);
     }
     let mut inputs = Vec::new();
     for dem in &dems {
         let name = file_name(&dem.path);
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
-    let centre = match terrain.centre {
-        Some(centre) => centre,
-        None => middle(&dems[0])?,
-    };
     progress.begin("lifting terrain", dems.len(), "DEMs");
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
@@ -84,34 +85,38 @@ fn own_posting_m(dem: &Dem) -> f64 {
     dem.georeference.pixel_size() * dem.georeference.metres_per_unit()
 }
 
-/// The point in the middle of a DEM's pixels.
-fn middle(dem: &Dem) -> Result<Geodetic, Error> {
-    let pixel = glam::DVec2::new((dem.columns - 1) as f64, (dem.rows - 1) as f64) / 2.0;
-    let point = dem.georeference.projector()?.geodetics(&[pixel])[0];
-    Ok(Geodetic { height_m: 0.0, ..point })
+/// The models' files; those of synthetic models are made first.
+fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path, progress: &dyn Progress) -> Result<Vec<PathBuf>, Error> {
+    let mut made = synthetic_files(body, dems, cache, progress)?.into_iter();
+    let path = |dem: &scenario::Dem| match dem {
+        scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
+        scenario::Dem::Synthetic { .. } => made.next().expect("one file a synthetic model"),
+    };
+    Ok(dems.iter().map(path).collect())
 }
 
-/// `made` holds the files of synthetic models, in order.
+/// Reads a model, or the part of it that its extent needs.
 fn open(
     written: &scenario::Dem,
+    path: &Path,
     body: &Body,
-    made: &mut impl Iterator<Item = PathBuf>,
+    centre: Geodetic,
     progress: &dyn Progress,
 ) -> Result<Dem, Error> {
-    let (path, values, posting_m) = match written {
-        scenario::Dem::File { path, values, posting_m, .. } => (path.clone(), *values, *posting_m),
-        scenario::Dem::Cube { path, values, posting_m } => (path.clone(), *values, *posting_m),
-        scenario::Dem::Synthetic { .. } => {
-            (made.next().expect("one file a synthetic model"), scenario::Values::Height, None)
-        }
+    let (values, posting_m, extent_m) = match *written {
+        scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
+        scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
+        scenario::Dem::Synthetic { .. } => (scenario::Values::Height, None, None),
     };
-    progress.begin(&format!("reading {}", file_name(&path)), 1, "file");
+    progress.begin(&format!("reading {}", file_name(path)), 1, "file");
     let values = match values {
         scenario::Values::Auto => raster::Values::Auto,
         scenario::Values::Height => raster::Values::Height,
         scenario::Values::Radius => raster::Values::Radius,
     };
-    Ok(Dem::open(&path, body, &raster::Options { values, posting_m, ..Default::default() })?)
+    // The map may be turned: the square's corners can lie in any direction.
+    let around = extent_m.map(|extent_m| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });
+    Ok(Dem::open(path, body, &raster::Options { values, posting_m, around, ..Default::default() })?)
 }
 
 /// The synthetic models' files, finest first, made where they are not there yet. A name holds all that shapes the
