@@ -6,13 +6,13 @@
 //! bytes.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 use super::checkpoint::Checkpoint;
-use super::error::Error;
+use super::error::{Error, TileErrors};
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
 use super::pack::{Encoding, HorizonMap};
@@ -20,6 +20,7 @@ use super::settings::Settings;
 use super::store::{self, Header, Key};
 use super::sweep::Sweep;
 use super::sweep::grid::Major;
+use crate::geometry::Body;
 use crate::terrain::Face;
 
 /// How much work a kill may cost.
@@ -32,6 +33,7 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// The horizon map of a level from its tile in `directory`, made first where there is no such tile, or a damaged one.
 pub fn open_or_build(
+    body: &Body,
     face: &Face,
     level: usize,
     settings: &Settings,
@@ -40,15 +42,15 @@ pub fn open_or_build(
     progress: &Progress,
 ) -> Result<HorizonMap, Error> {
     check(face, level, settings, encoding)?;
-    let key = Key::of(face, level, settings, encoding);
-    match store::read_of(directory, &key) {
+    match store::read_of(directory, &Key::of(body, face, level, settings, encoding)) {
         Ok(map) => Ok(map),
-        Err(_) => build(face, level, settings, encoding, directory, progress),
+        Err(_) => build(body, face, level, settings, encoding, directory, progress),
     }
 }
 
 /// Makes the horizon map of a level and stores its tile in `directory`.
 pub fn build(
+    body: &Body,
     face: &Face,
     level: usize,
     settings: &Settings,
@@ -56,28 +58,17 @@ pub fn build(
     directory: &Path,
     progress: &Progress,
 ) -> Result<HorizonMap, Error> {
-    check(face, level, settings, encoding)?;
-    fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
-    let key = Key::of(face, level, settings, encoding);
-    let path = store::path_for(directory, &key);
-    let checkpoint = Checkpoint::new(path.with_extension("partial"), key);
-
-    let mut state = State::new(face, level, settings, encoding);
-    checkpoint.resume(&mut state);
+    let mut builder = Builder::new(body, face, level, settings, encoding, directory)?;
     let mut saved = Instant::now();
-    state.run(face, level, settings, |state| {
-        progress(state.done, settings.azimuths);
-        if saved.elapsed() > CHECKPOINT_EVERY && state.done < settings.azimuths {
-            checkpoint.save(state)?;
+    while builder.done() < settings.azimuths {
+        builder.step();
+        progress(builder.done(), settings.azimuths);
+        if saved.elapsed() > CHECKPOINT_EVERY {
+            builder.save()?;
             saved = Instant::now();
         }
-        Ok(())
-    })?;
-
-    let map = state.finish(face, level, settings, encoding);
-    store::write(&path, &Header::new(face, level, settings, &map), &map)?;
-    checkpoint.remove();
-    Ok(map)
+    }
+    builder.finish(body)
 }
 
 fn check(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Result<(), Error> {
@@ -101,89 +92,108 @@ fn check(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> 
     }
 }
 
-/// A build under way.
+/// What a build has reached.
 #[derive(Debug)]
 pub struct State {
-    /// Azimuths added: first those along the rows' axis, then those along the columns'.
+    /// Azimuths added, in the builder's order.
     pub done: usize,
     /// `[row][column]` until the first azimuth along the columns is added, `[column][row]` from then on.
     pub sums: Accumulator,
     pub sample: Sample,
-    /// Azimuths along the rows' axis.
+}
+
+/// A build under way.
+#[derive(Debug)]
+pub struct Builder<'a> {
+    face: &'a Face,
+    level: usize,
+    settings: Settings,
+    encoding: Encoding,
+    path: PathBuf,
+    checkpoint: Checkpoint,
+    /// Azimuths along the rows' axis, then along the columns'.
+    order: Vec<usize>,
     along_rows: usize,
+    state: State,
+    sweep: Option<(Major, Sweep<'a>)>,
 }
 
-/// Azimuths along one axis.
-fn along(settings: &Settings, major: Major) -> Vec<usize> {
-    (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect()
-}
+impl<'a> Builder<'a> {
+    /// A build of a level's tile, where a checkpoint of it left off if there is one.
+    pub fn new(
+        body: &Body,
+        face: &'a Face,
+        level: usize,
+        settings: &Settings,
+        encoding: Encoding,
+        directory: &Path,
+    ) -> Result<Self, Error> {
+        check(face, level, settings, encoding)?;
+        fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
+        let key = Key::of(body, face, level, settings, encoding);
+        let path = store::path_for(directory, &key);
+        let checkpoint = Checkpoint::new(path.with_extension("partial"), key);
 
-impl State {
-    fn new(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Self {
+        let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
+        let along_rows = along(Major::Row).count();
+        let order = along(Major::Row).chain(along(Major::Column)).collect();
+
         let nodes = &face.levels[level];
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
         let sums = Accumulator::new(encoding, columns, rows, settings.azimuths);
-        let sample = Sample::of(nodes, MEASURED_PIXELS, settings.azimuths);
-        Self { done: 0, sums, sample, along_rows: along(settings, Major::Row).len() }
+        let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
+        checkpoint.resume(&mut state, along_rows);
+        Ok(Self { face, level, settings: *settings, encoding, path, checkpoint, order, along_rows, state, sweep: None })
     }
 
-    /// Takes on the shape of a state after so many azimuths.
-    pub fn resume_at(&mut self, done: usize) {
-        if done > self.along_rows {
-            self.sums = self.sums.transposed();
+    /// Azimuths done.
+    pub fn done(&self) -> usize {
+        self.state.done
+    }
+
+    /// Sweeps the next azimuths, one a thread.
+    pub fn step(&mut self) {
+        let done = self.state.done;
+        let major = if done < self.along_rows { Major::Row } else { Major::Column };
+        let end = if done < self.along_rows { self.along_rows } else { self.order.len() };
+        let block = &self.order[done..end.min(done + rayon::current_num_threads())];
+        if done == self.along_rows {
+            self.state.sums.transpose();
         }
-        self.done = done;
-    }
-
-    /// Sweeps what is not done yet, calling back after every block.
-    fn run(
-        &mut self,
-        face: &Face,
-        level: usize,
-        settings: &Settings,
-        mut after_block: impl FnMut(&Self) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let mut before = 0;
-        for major in [Major::Row, Major::Column] {
-            let azimuths = along(settings, major);
-            let left = azimuths.len().saturating_sub(self.done.saturating_sub(before));
-            if left > 0 {
-                if major == Major::Column && self.done == before {
-                    self.sums = self.sums.transposed();
-                }
-                let sweep = Sweep::new(face, level, major, settings);
-                for block in azimuths[azimuths.len() - left..].chunks(rayon::current_num_threads()) {
-                    self.add(&sweep, block, settings, major);
-                    after_block(self)?;
-                }
-            }
-            before += azimuths.len();
+        let (face, level, settings) = (self.face, self.level, &self.settings);
+        if self.sweep.as_ref().is_none_or(|(prepared, _)| *prepared != major) {
+            self.sweep = Some((major, Sweep::new(face, level, major, settings)));
         }
-        Ok(())
-    }
-
-    fn add(&mut self, sweep: &Sweep, block: &[usize], settings: &Settings, major: Major) {
+        let Some((_, sweep)) = &self.sweep else { return };
         let plane = |&azimuth: &usize| Plane {
             azimuth,
             stride: sweep.receivers.stride,
             elevations_rad: sweep.elevations_rad(settings.direction(azimuth)),
         };
         let planes: Vec<_> = block.par_iter().map(plane).collect();
-        self.sums.add(&planes);
-        planes.iter().for_each(|plane| self.sample.keep(plane, major));
-        self.done += block.len();
+        self.state.sums.add(&planes);
+        planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
+        self.state.done += block.len();
     }
 
-    fn finish(self, face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> HorizonMap {
-        let sums = self.sums.transposed();
-        let mut map = HorizonMap {
-            encoding,
-            columns: sums.columns(),
-            rows: sums.rows(),
-            levels: sums.texels(),
-            errors: Default::default(),
-        };
-        map.errors = measure(face, level, settings, &self.sample, &map);
-        map
+    /// Saves what is done for a later build of the same tile.
+    pub fn save(&self) -> Result<(), Error> {
+        self.checkpoint.save(&self.state)
+    }
+
+    /// Stores the finished tile.
+    fn finish(mut self, body: &Body) -> Result<HorizonMap, Error> {
+        self.sweep = None;
+        let sums = &mut self.state.sums;
+        sums.transpose();
+        let (columns, rows) = (sums.columns(), sums.rows());
+        let errors = TileErrors::default();
+        let levels = sums.texels();
+        let mut map = HorizonMap { encoding: self.encoding, columns, rows, levels, errors };
+        map.errors = measure(self.face, self.level, &self.settings, &self.state.sample, &map);
+        let header = Header::new(body, self.face, self.level, &self.settings, &map);
+        store::write(&self.path, &header, &map)?;
+        self.checkpoint.remove();
+        Ok(map)
     }
 }

@@ -41,8 +41,9 @@ impl Checkpoint {
         })
     }
 
-    /// Puts a state where a saved one left off; leaves it as it is where there is none that fits.
-    pub fn resume(&self, state: &mut State) {
+    /// Puts a state where a saved one left off; leaves it as it is where there is none that fits. The sums of a state
+    /// past its first `along_rows` azimuths are transposed.
+    pub fn resume(&self, state: &mut State, along_rows: usize) {
         let Ok(bytes) = fs::read(&self.path) else { return };
         let key = self.key.as_str().as_bytes();
         let floats =
@@ -55,7 +56,10 @@ impl Checkpoint {
             return;
         }
         let (done, mut rest) = body[key.len()..].split_at(8);
-        state.resume_at(u64::from_le_bytes(done.try_into().expect("eight bytes")) as usize);
+        state.done = u64::from_le_bytes(done.try_into().expect("eight bytes")) as usize;
+        if state.done > along_rows {
+            state.sums.transpose();
+        }
         let groups = state.sums.groups.iter_mut().map(|group| &mut group.sums);
         for floats in groups.chain([&mut state.sample.elevations_rad]) {
             let (mine, others) = rest.split_at(4 * floats.len());

@@ -24,6 +24,21 @@ pub struct Group {
     pub sums: Vec<f32>,
 }
 
+impl Group {
+    fn transposed(&self) -> Self {
+        let mut sums = vec![0.0; self.sums.len()];
+        for row in 0..self.rows {
+            for real in 0..REALS {
+                for column in 0..self.columns {
+                    sums[(column * REALS + real) * self.rows + row] =
+                        self.sums[(row * REALS + real) * self.columns + column];
+                }
+            }
+        }
+        Self { scale: self.scale, rows: self.columns, columns: self.rows, sums }
+    }
+}
+
 /// The coefficients of all pixels while azimuths are added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accumulator {
@@ -72,32 +87,23 @@ impl Accumulator {
                     let first = i * STRIP + row * scale;
                     let last = (first + scale).min(rows);
                     for (plane, weights) in planes.iter().zip(&weights) {
-                        wide(|| {
-                            box_means(plane, columns, first..last, scale, &mut means);
-                            add_scaled(&means, weights, sums);
-                        });
+                        wide(
+                            #[inline(always)]
+                            || {
+                                box_means(plane, columns, first..last, scale, &mut means);
+                                add_scaled(&means, weights, sums);
+                            },
+                        );
                     }
                 }
             });
         }
     }
 
-    /// The same sums with rows and columns exchanged.
-    pub fn transposed(&self) -> Self {
-        let turn = |group: &Group| {
-            let mut sums = vec![0.0; group.sums.len()];
-            for row in 0..group.rows {
-                for real in 0..REALS {
-                    for column in 0..group.columns {
-                        sums[(column * REALS + real) * group.rows + row] =
-                            group.sums[(row * REALS + real) * group.columns + column];
-                    }
-                }
-            }
-            Group { scale: group.scale, rows: group.columns, columns: group.rows, sums }
-        };
-        let groups = self.groups.iter().map(turn).collect();
-        Self { azimuths: self.azimuths, columns: self.rows, rows: self.columns, groups }
+    /// Exchanges rows and columns, one group at a time: memory for one more group, not for all.
+    pub fn transpose(&mut self) {
+        self.groups.iter_mut().for_each(|group| *group = group.transposed());
+        (self.columns, self.rows) = (self.rows, self.columns);
     }
 
     /// The sums as texels.
@@ -194,8 +200,12 @@ mod tests {
     fn turning_the_sums_turns_the_map_and_back() {
         let mut sums = Accumulator::new(Encoding::Fm16, 19, 10, 40);
         sums.add(&planes(19, 10, 40));
-        assert_eq!(sums.transposed().transposed(), sums);
-        assert_eq!(sums.transposed().texels()[2].columns, 3);
+        let mut turned = sums.clone();
+        turned.transpose();
+        assert_eq!(turned.texels()[2].columns, 3);
+        assert_eq!(turned.texels()[0].texels[5 * 10 + 3], sums.texels()[0].texels[3 * 19 + 5]);
+        turned.transpose();
+        assert!(turned == sums);
     }
 
     #[test]

@@ -59,9 +59,6 @@ pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, 
         let error = |azimuth: usize| {
             let direction = settings.direction(azimuth);
             let traced_rad = tracer.skyline(foot, direction).elevation_rad;
-            if !(f64::from(swept[azimuth]) + traced_rad + series.evaluate_towards(direction).0).is_finite() {
-                println!("{column} {row} {azimuth} {} {traced_rad} {:?}", swept[azimuth], series);
-            }
             (f64::from(swept[azimuth]) - traced_rad, series.evaluate_towards(direction).0 - traced_rad)
         };
         (0..settings.azimuths).map(error).collect::<Vec<_>>()

@@ -1,9 +1,24 @@
-//! The skyline around each surface point.
+//! The skyline around each surface point: searched, compressed, stored.
+//!
+//! ```text
+//! Face --sweep--> elevations per azimuth --fit--> Fourier coefficients --pack--> HorizonMap --store--> tile
+//!      --trace--> the same, one point at a time, believed; every tile carries its errors against it
+//! ```
+//!
+//! Elevations are angles above the plane perpendicular to the vector from the map's centre of projection, in radians,
+//! negative where the skyline lies below it. Azimuths are *map azimuths*: clockwise from map up (+Y)
+//! towards map right (+X), a frame that is smooth over a tile even at a pole.
+//! [`crate::terrain::Gnomonic::map_direction`] gives the map direction of any direction in space.
+//!
+//! The surface is bilinear in lifted height between the nodes of the finest level that covers a point. Gaps do not occlude. Beyond the
+//! last level lies the bare sphere, lowered to the feet of an observer who stands below it.
+
 pub mod build;
 pub mod checkpoint;
 pub mod error;
 pub mod fit;
 pub mod georeference;
+pub mod inspect;
 pub mod measure;
 pub mod pack;
 pub mod series;

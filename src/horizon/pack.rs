@@ -22,7 +22,7 @@
 //! A half float keeps 11 bits: a coefficient of 0.23 rad is off by up to 6e-5 rad.
 //!
 //! # References
-//! Fritsch et al. (2025), *Fourier-compressed horizon maps*. Max (1988), doi:10.1007/BF01905562.
+//! Fritsch et al. (2025), *Fourier-compressed horizon maps*. Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*.
 
 use glam::DVec2;
 use half::f16;
@@ -93,6 +93,41 @@ impl HorizonMap {
             }
         }
         Series { mean_rad, harmonics_rad }
+    }
+}
+
+/// Where a map lies in a buffer of texels: `HorizonGrid` of `series.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct HorizonGrid {
+    pub columns: u32,
+    pub rows: u32,
+    /// How many times each level halves the one before: 1 for `fm16`, 0 for `f16`.
+    pub halving: u32,
+    pub offset_0: u32,
+    pub offset_1: u32,
+    pub offset_2: u32,
+    pub offset_3: u32,
+}
+
+impl HorizonMap {
+    /// Appends all texels to a buffer and tells where they lie in it.
+    pub fn append_to(&self, buffer: &mut Vec<[u32; 4]>) -> HorizonGrid {
+        let [offset_0, offset_1, offset_2, offset_3] = std::array::from_fn(|i| {
+            let offset = buffer.len() as u32;
+            buffer.extend_from_slice(&self.levels[i].texels);
+            offset
+        });
+        let halving = u32::from(self.encoding == Encoding::Fm16);
+        HorizonGrid {
+            columns: self.columns as u32,
+            rows: self.rows as u32,
+            halving,
+            offset_0,
+            offset_1,
+            offset_2,
+            offset_3,
+        }
     }
 }
 

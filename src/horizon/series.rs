@@ -13,7 +13,7 @@
 //! `√(mean h² − a₀² − ½ Σ (aₖ² + bₖ²))`. The maximum error has no such bound at a cliff (Gibbs), so a tile's header
 //! records the measured one. `series.wgsl` evaluates the same sum from packed texels.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles as _};
 
 /// A truncated Fourier series over azimuth, in radians.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +70,6 @@ impl Series {
     }
 }
 
-use glam::Vec2Swizzles as _;
-
 /// Sine and cosine of `kA` for sample `i` of `count`, reduced so that 0 and a full turn agree exactly.
 pub(super) fn turned(k: usize, i: usize, count: usize) -> (f64, f64) {
     (std::f64::consts::TAU * ((k * i) % count) as f64 / count as f64).sin_cos()
@@ -101,7 +99,7 @@ mod tests {
         }
     }
 
-    /// A line of width 1e-3 around the value printed in physics handbooks would hide a factor of 2.
+    /// Wall of height q times its distance: atan(q cos A)₊.
     #[test]
     fn an_infinite_wall_loses_what_its_closed_form_says() {
         for (q, expected_rad) in [(0.1, 0.0021), (0.5, 0.0106), (2.0, 0.043)] {
@@ -124,6 +122,24 @@ mod tests {
         let (low, high) = values.iter().fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(*v), high.max(*v)));
         assert!((high - 0.2 - 0.0129).abs() < 2e-4, "{high}");
         assert!((low + 0.0214).abs() < 2e-4, "{low}");
+    }
+
+    /// The shader's functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
+    #[test]
+    fn the_shader_is_valid_and_shares_its_layout() {
+        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
+            fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
+        let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", include_str!("series.wgsl"))).unwrap();
+        // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
+        let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        let mut validator = naga::valid::Validator::new(Default::default(), needed);
+        validator.validate(&module).unwrap();
+        let grid = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("HorizonGrid")).unwrap().1;
+        let naga::TypeInner::Struct { members, span } = &grid.inner else { panic!("a struct") };
+        assert_eq!(*span as usize, size_of::<crate::horizon::pack::HorizonGrid>());
+        let names: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset)).collect();
+        let expected = ["columns", "rows", "halving", "offset_0", "offset_1", "offset_2", "offset_3"];
+        assert_eq!(names, expected.into_iter().zip((0..).step_by(4)).collect::<Vec<_>>());
     }
 
     #[test]

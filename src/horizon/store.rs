@@ -28,6 +28,7 @@ use super::error::{Error, TileErrors};
 use super::georeference;
 use super::pack::{Encoding, HorizonMap, Texels};
 use super::settings::Settings;
+use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
@@ -42,9 +43,11 @@ pub struct Key(String);
 
 impl Key {
     /// The key of the horizons of `face.levels[level]`; finer levels have no share in them.
-    pub fn of(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Self {
+    pub fn of(body: &Body, face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Self {
         let mut hash = Sha256::new();
         hash.update(FORMAT_VERSION.to_le_bytes());
+        hash.update(&body.name);
+        hash.update(cast_slice::<f64, u8>(&[body.equatorial_radius_m, body.polar_radius_m]));
         let map = &face.map;
         let numbers =
             [map.origin.vector_m().to_array(), [map.radius_m, settings.observer_height_m, settings.search_limit_m()]];
@@ -90,6 +93,7 @@ pub struct Header {
     pub azimuth: String,
     pub elevation: String,
     pub pixel: String,
+    pub body: BodyHeader,
     /// Pixels of the full resolution, and the pages' scales against it.
     pub columns: usize,
     pub rows: usize,
@@ -99,6 +103,14 @@ pub struct Header {
     /// The swept level, then the coarser ones that only occlude.
     pub inputs: Vec<InputHeader>,
     pub errors: TileErrors,
+}
+
+/// The spheroid that latitudes refer to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyHeader {
+    pub name: String,
+    pub equatorial_radius_m: f64,
+    pub polar_radius_m: f64,
 }
 
 /// The gnomonic map of a tile.
@@ -133,7 +145,7 @@ pub struct InputHeader {
 }
 
 impl Header {
-    pub fn new(face: &Face, level: usize, settings: &Settings, map: &HorizonMap) -> Self {
+    pub fn new(body: &Body, face: &Face, level: usize, settings: &Settings, map: &HorizonMap) -> Self {
         let input = |level: &Level| InputHeader {
             columns: level.columns,
             rows: level.rows,
@@ -145,12 +157,17 @@ impl Header {
             format: FORMAT.into(),
             format_version: FORMAT_VERSION,
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
-            key: Key::of(face, level, settings, map.encoding),
+            key: Key::of(body, face, level, settings, map.encoding),
             encoding: map.encoding,
             series: "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3".into(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
             elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
             pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
+            body: BodyHeader {
+                name: body.name.clone(),
+                equatorial_radius_m: body.equatorial_radius_m,
+                polar_radius_m: body.polar_radius_m,
+            },
             columns: map.columns,
             rows: map.rows,
             scales: map.encoding.scales(),

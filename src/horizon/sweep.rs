@@ -1,5 +1,29 @@
 //! The horizons of all nodes of a level, one azimuth at a time.
+//!
+//! In the lifted map an azimuth is a family of parallel straight lines, so that a skyline is a tangent of slope `s`
+//! from a receiver to the surface along its line. For one azimuth:
+//!
+//! 1. [`near`]: every crossing and every cell of the first [`NEAR`] steps, exactly, many receivers at once;
+//! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where two lines
+//!    disagree by more than 0.017° the receiver's own line about both touching points, exactly ([`profile`]);
+//! 3. [`beyond`]: tangents to the hulls of coarser levels;
+//! 4. [`angle`]: the steepest slope, or the bare sphere's, as an elevation above the local horizontal.
+//!
+//! The axis along which a line advances by whole nodes is the *major* one (`u`), the other the *minor* one (`v`).
+//! Nothing is quantised and nothing is clamped. The result does not depend on threads or on the machine.
+//!
+//! # Assumptions
+//! Levels finer than the swept one do not exist: a coarse tile sees its own coarse surface where a finer one lies. A line's
+//! far skyline is looked for where its two neighbours have theirs; over all azimuths of 512 random pixels of a cratered terrain of
+//! 1024² at 20 m the elevations differ from traced ones by p95 0.0001°, p99 0.005°, at most 0.2°, on LOLA's Connecting
+//! Ridge at 10 m within the south polar cap at 240 m by p95 0.001°, p99 0.003°, at most 0.3° two nodes and more from the edge
+//! of the finer level. A tile measures its own.
+//!
+//! # References
+//! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
+
 pub mod angle;
+pub mod beyond;
 pub mod far;
 pub mod grid;
 pub mod hull;
@@ -15,6 +39,7 @@ use super::Settings;
 use super::trace::{Tracer, raised};
 use crate::terrain::{Face, Level};
 use angle::Place;
+use beyond::Beyond;
 use far::Far;
 use grid::{Grid, LANES, Major};
 use line::Placed;
@@ -100,15 +125,7 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
-        let far = Far {
-            ray: &ray,
-            receivers: &self.receivers,
-            levels,
-            near: NEAR,
-            search_x: (ray.search_steps * fine.posting_m) as f32,
-            inverse_posting: (1.0 / fine.posting_m) as f32,
-            tolerance: std::env::var("REFINE").map_or(1e-3, |n| n.parse().unwrap()),
-        };
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         self.near(&ray, &mut plane);
         far.raise(&mut plane);
@@ -121,7 +138,7 @@ impl<'a> Sweep<'a> {
     /// Raises far slopes to those of coarser levels.
     fn add_beyond(&self, far: &Far, slopes: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        for mut beyond in far.beyond() {
+        for mut beyond in (1..far.levels.len()).map(|level| Beyond::new(far, level)) {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
@@ -140,7 +157,10 @@ impl<'a> Sweep<'a> {
 
     fn near(&self, ray: &Ray, plane: &mut [f32]) {
         let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
-        wide(|| self.near_plain(&stencil, plane));
+        wide(
+            #[inline(always)]
+            || self.near_plain(&stencil, plane),
+        );
     }
     #[inline(always)]
     fn near_plain(&self, stencil: &Stencil, plane: &mut [f32]) {
@@ -162,7 +182,10 @@ impl<'a> Sweep<'a> {
 
     /// From slopes to elevations.
     fn finish(&self, ray: &Ray, plane: &mut [f32]) {
-        wide(|| self.finish_plain(ray, plane));
+        wide(
+            #[inline(always)]
+            || self.finish_plain(ray, plane),
+        );
     }
 
     #[inline(always)]

@@ -186,7 +186,15 @@ pub fn horizons(
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
             let heard = |done: usize, total: usize| progress.at(done, total);
-            levels.push(horizon::open_or_build(face, level, settings, ENCODING, &folder, &heard)?);
+            levels.push(horizon::open_or_build(
+                &surface.terrain.body,
+                face,
+                level,
+                settings,
+                ENCODING,
+                &folder,
+                &heard,
+            )?);
         }
         maps.push(levels);
     }

@@ -51,7 +51,8 @@ struct Prepared {
     reflectance: Buffer,
     disk_tables: Buffer,
     heights: Buffer,
-    gradients: Buffer,
+    /// In two pages.
+    gradients: [Buffer; 2],
     maxima: Buffer,
     /// Horizon maps, in pages.
     texels: [Buffer; PAGES],
@@ -124,10 +125,13 @@ impl Prepared {
         let extra = scene.needs_centres() && central.is_none();
         let rays_per_pixel = offsets.len() + usize::from(extra);
         let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
-        let page_bits = page_bits(gpu);
+        let page_bits = self::page_bits::<[u32; 4]>(gpu);
+        let gradient_page_bits = self::page_bits::<[f32; 2]>(gpu);
         let mut constants = vec![
             ("PAGES", pages_needed(&store.texels, page_bits)? as f64),
             ("PAGE_BITS", f64::from(page_bits)),
+            ("GRADIENT_PAGE_BITS", f64::from(gradient_page_bits)),
+            ("MORE_GRADIENTS", f64::from(u8::from(store.gradients.len() > 1 << gradient_page_bits))),
             ("RAYS", rays_per_pixel as f64),
             ("SAMPLES", offsets.len() as f64),
             ("CENTRE", centre as f64),
@@ -148,7 +152,7 @@ impl Prepared {
             reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             heights: checked(gpu, "lifted heights", &store.heights_m)?,
-            gradients: checked(gpu, "gradients", &store.gradients)?,
+            gradients: gradient_pages(gpu, &store.gradients, gradient_page_bits)?,
             maxima: checked(gpu, "maxima", &store.maxima_m)?,
             texels: pages(gpu, &store.texels, page_bits),
             albedos: checked(gpu, "albedos", &store.albedos)?,
@@ -184,7 +188,7 @@ impl Prepared {
                 &self.reflectance,
                 &self.disk_tables,
                 &self.heights,
-                &self.gradients,
+                &self.gradients[0],
                 &self.maxima,
                 &self.albedos,
                 &band.rays,
@@ -194,6 +198,7 @@ impl Prepared {
                 &self.texels[1],
                 &self.texels[2],
                 &self.texels[3],
+                &self.gradients[1],
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.
@@ -385,9 +390,14 @@ fn directions(scene: &Scene, rows: std::ops::Range<usize>, points: &[DVec2]) -> 
 /// Most bindings of horizon maps, as in the shader.
 const PAGES: usize = 4;
 
-/// Texels of a page, as a power of two, that the adapter takes in one binding.
-fn page_bits(gpu: &Gpu) -> u32 {
-    (gpu.device.limits().max_storage_buffer_binding_size / size_of::<[u32; 4]>() as u64).ilog2().min(31)
+/// Elements of a page, as a power of two, that the adapter takes in one binding.
+fn page_bits<T>(gpu: &Gpu) -> u32 {
+    (gpu.device.limits().max_storage_buffer_binding_size / size_of::<T>() as u64).ilog2().min(31)
+}
+
+fn gradient_pages(gpu: &Gpu, gradients: &[[f32; 2]], page_bits: u32) -> Result<[Buffer; 2], RenderError> {
+    let (first, more) = gradients.split_at(gradients.len().min(1 << page_bits));
+    Ok([checked(gpu, "gradients", first)?, checked(gpu, "gradients", more)?])
 }
 
 fn pages_needed(texels: &[[u32; 4]], page_bits: u32) -> Result<usize, RenderError> {

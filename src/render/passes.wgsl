@@ -49,7 +49,9 @@ struct Centre {
 @group(0) @binding(4) var<storage, read> reflectance: ReflectanceParameters;
 @group(0) @binding(5) var<storage, read> disk_tables: array<f32>;
 @group(0) @binding(6) var<storage, read> heights_m: array<f32>;
+// Two pages of 2^GRADIENT_PAGE_BITS nodes.
 @group(0) @binding(7) var<storage, read> gradients: array<vec2f>;
+@group(0) @binding(17) var<storage, read> more_gradients: array<vec2f>;
 @group(0) @binding(8) var<storage, read> maxima_m: array<f32>;
 @group(0) @binding(9) var<storage, read> albedos: array<f32>;
 @group(0) @binding(10) var<storage, read> rays: array<vec2f>;
@@ -72,6 +74,15 @@ override HORIZONS: bool;
 override ALBEDO_MAP: bool;
 override PAGES: u32;
 override PAGE_BITS: u32;
+override GRADIENT_PAGE_BITS: u32;
+override MORE_GRADIENTS: bool;
+
+fn gradient(node: u32) -> vec2f {
+    if MORE_GRADIENTS && (node >> GRADIENT_PAGE_BITS) > 0u {
+        return more_gradients[node - (1u << GRADIENT_PAGE_BITS)];
+    }
+    return gradients[node];
+}
 
 fn horizon_texel(index: u32) -> vec4u {
     let within = index & ((1u << PAGE_BITS) - 1u);
@@ -133,13 +144,13 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
     let level = map_levels[hit.level];
     let radius_m = map_faces[level.face].camera_m.w;
     let node = level.heights_offset + u32(hit.cell.y) * level.columns + u32(hit.cell.x);
-    let g00 = gradients[node];
-    let g10 = gradients[node + 1u];
-    let g01 = gradients[node + level.columns];
-    let g11 = gradients[node + level.columns + 1u];
+    let g00 = gradient(node);
+    let g10 = gradient(node + 1u);
+    let g01 = gradient(node + level.columns);
+    let g11 = gradient(node + level.columns + 1u);
     let steepest = max(max(abs(g00.x), abs(g10.x)), max(abs(g01.x), abs(g11.x)));
     let f = hit.fraction;
-    let gradient = mix(mix(g00, g10, f.x), mix(g01, g11, f.x), f.y);
+    let slope = mix(mix(g00, g10, f.x), mix(g01, g11, f.x), f.y);
     let low = mix(heights_m[node], heights_m[node + 1u], f.x);
     let high = mix(heights_m[node + level.columns], heights_m[node + level.columns + 1u], f.x);
     let height_m = mix(low, high, f.y);
@@ -150,7 +161,7 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
     facet.at_m = level.south_west_m + facet.grid * level.posting_m;
     facet.radius_m = radius_m;
     facet.up = normalize(vec3f(facet.at_m, radius_m));
-    facet.normal = normalize(vec3f(-gradient, 1.0 + (dot(gradient, facet.at_m) - height_m) / radius_m));
+    facet.normal = normalize(vec3f(-slope, 1.0 + (dot(slope, facet.at_m) - height_m) / radius_m));
     facet.position_m = vec3f(facet.at_m, radius_m) * (radius_m / (radius_m - height_m));
     facet.gap = steepest > GAP_SLOPE;
     facet.albedo = 1.0;

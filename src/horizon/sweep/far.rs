@@ -1,12 +1,12 @@
 //! The far field: tangents from each receiver to the hulls of the two lines beside it.
 //!
-//! Lines run parallel to the azimuth, half a posting apart. Each carries the hull of its own profile, built
-//! from far to near while the receivers beside it are served: the point just beyond the near field is pushed,
-//! then the receiver asks for the tangent *from its own height*. Between its two lines a receiver interpolates the slopes.
+//! Lines run parallel to the azimuth, a posting apart. Each carries the hull of its own profile, built from far to
+//! near while the receivers beside it are served: the crossings just beyond the near field are pushed, then the receiver
+//! asks for the tangent *from its own height*. Where the slopes of its two lines agree, the receiver interpolates between them. Where they do not, it
+//! searches its own line about the two places where they touch ([`super::profile`]).
 //!
-//! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes. What
-//! lies farther away changes little between fine lines: coarser lines carry it, half a coarse posting apart,
-//! whose hulls are made once per azimuth ([`Beyond`]).
+//! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
+//! lines carry what lies farther away ([`super::beyond`]).
 
 use super::Receivers;
 use super::grid::{ABSENT_M, Grid, NEVER_M};
@@ -16,13 +16,14 @@ use super::near::larger;
 use super::profile::Profile;
 use super::ray::Ray;
 
-/// Lines per posting.
-const LINES: usize = 2;
 /// Receivers of a row worked on side by side, between lines that are.
 const BLOCK: usize = 16;
-const BLOCK_LINES: usize = LINES * BLOCK + 1;
+/// The lines beside them.
+const LINES: usize = BLOCK + 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
-const RING: f64 = 32.0;
+pub const RING: f64 = 32.0;
+/// Difference between the slopes of two lines above which a receiver searches its own: 0.017°.
+const AGREEMENT: f32 = 3e-4;
 
 /// Everything the far field of one azimuth is made from.
 #[derive(Debug)]
@@ -33,15 +34,27 @@ pub struct Far<'a> {
     pub levels: Vec<Placed<'a>>,
     /// Major steps that the near field covers.
     pub near: usize,
-    pub search_x: f32,
-    pub inverse_posting: f32,
-    /// Difference of the slopes of neighbouring lines above which the receiver's own line is consulted.
-    pub tolerance: f32,
+}
+
+/// The lines of one block where they cross a row.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    /// Major index of the row, and its distance coordinate.
+    u: isize,
+    x: f32,
+    /// The first line crosses at minor coordinate `low + share`, the next ones a posting apart.
+    low: isize,
+    share: f64,
 }
 
 impl<'a> Far<'a> {
-    fn fine(&self) -> &'a Grid {
+    pub fn fine(&self) -> &'a Grid {
         self.levels[0].grid
+    }
+
+    /// Distance coordinate beyond which a receiver does not search.
+    pub fn search_x(&self) -> f32 {
+        (self.ray.search_steps * self.fine().posting_m) as f32
     }
 
     /// Major index at which lines cross their intercepts.
@@ -49,23 +62,14 @@ impl<'a> Far<'a> {
         (self.fine().majors / 2) as isize
     }
 
-    /// Major index of the row `along` steps from the near side of the swept level.
-    fn major(&self, along: isize) -> isize {
-        if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along }
-    }
-
-    fn x_m(&self, u: isize) -> f64 {
-        (self.ray.sign * (u - self.pivot())) as f64 * self.fine().posting_m
-    }
-
     /// Intercepts of the lines through all receivers, in postings.
-    fn intercepts(&self) -> (f64, f64) {
+    pub fn intercepts(&self) -> (f64, f64) {
         let r = self.receivers;
-        let slope = self.ray.sign as f64 * self.ray.minor;
+        let turn = self.ray.sign as f64 * self.ray.minor;
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for u in [r.margin, r.margin + r.majors - 1] {
             for v in [r.margin, r.margin + r.minors - 1] {
-                let intercept = v as f64 - slope * (u as isize - self.pivot()) as f64;
+                let intercept = v as f64 - turn * (u as isize - self.pivot()) as f64;
                 range = (range.0.min(intercept), range.1.max(intercept));
             }
         }
@@ -77,222 +81,154 @@ impl<'a> Far<'a> {
     pub fn raise(&self, slopes: &mut [f32]) {
         let (low, high) = self.intercepts();
         // The first line lies below all receivers.
-        let (first, last) = ((low * LINES as f64).floor() as isize - 1, (high * LINES as f64).ceil() as isize);
+        let (first, last) = (low.floor() as isize - 1, high.ceil() as isize);
         let profile = Profile::new(self.fine(), self.ray);
-        let mut hulls: [Hull; BLOCK_LINES] = std::array::from_fn(|_| Hull::default());
-        for start in (first..=last).step_by(BLOCK * LINES) {
+        let mut hulls: [Hull; LINES] = std::array::from_fn(|_| Hull::default());
+        for start in (first..=last).step_by(BLOCK) {
             self.block(start, &profile, &mut hulls, slopes);
         }
     }
 
+    /// Where a block's lines cross the row `along` steps from the near side.
+    fn row(&self, start: isize, along: isize) -> Row {
+        let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
+        let steps = self.ray.sign * (u - self.pivot());
+        // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
+        let v = self.ray.minor * steps as f64;
+        // `floor` is a call on targets without SSE 4.1.
+        let whole = v as isize;
+        let low = whole - isize::from(whole as f64 > v);
+        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
+    }
+
     /// The receivers between one block of lines.
-    fn block(&self, start: isize, profile: &Profile, hulls: &mut [Hull; BLOCK_LINES], slopes: &mut [f32]) {
-        let (fine, r) = (self.fine(), self.receivers);
-        let turn = self.ray.sign as f64 * self.ray.minor;
+    fn block(&self, start: isize, profile: &Profile, hulls: &mut [Hull; LINES], slopes: &mut [f32]) {
+        let fine = self.fine();
         for (k, hull) in hulls.iter_mut().enumerate() {
             hull.clear();
-            let intercept_m = (start + k as isize) as f64 / LINES as f64 * fine.posting_m;
-            self.carry_on(0, Line { intercept_m, minor: self.ray.minor }, 0.5 * fine.posting_m, hull);
+            let intercept_m = (start + k as isize) as f64 * fine.posting_m;
+            self.carry_on(0, Line { intercept_m, minor: self.ray.minor }, fine.posting_m, hull);
         }
-        let first_line = |u: isize| start as f64 / LINES as f64 + turn * (u - self.pivot()) as f64;
-        let ahead = self.near as isize + 1;
-        let mut before_m = [NEVER_M; BLOCK_LINES];
+        let mut beyond_m = [NEVER_M; LINES];
         for along in (0..fine.majors as isize).rev() {
-            let pushed = along + ahead;
-            if pushed < fine.majors as isize {
-                let u = self.major(pushed);
-                let (low, share) = split(first_line(u));
-                if low >= -(BLOCK as isize) - 1 && low < fine.minors as isize {
-                    let heights_m = sample(fine, u, low, share);
-                    let x = self.x_m(u) as f32;
-                    if pushed + 1 < fine.majors as isize {
-                        self.push_columns(u, low, share, x, &heights_m, &before_m, hulls);
+            let ahead = along + self.near as isize + 1;
+            if ahead < fine.majors as isize {
+                let row = self.row(start, ahead);
+                if row.low > -(LINES as isize) && row.low < fine.minors as isize {
+                    let heights_m = sample(fine, &row);
+                    if ahead + 1 < fine.majors as isize {
+                        self.push_columns(&row, &heights_m, &beyond_m, hulls);
                     }
-                    before_m = heights_m;
-                    for (hull, height_m) in hulls.iter_mut().zip(heights_m) {
-                        if height_m > ABSENT_M {
-                            hull.push(x, height_m);
-                        }
-                    }
+                    push_row(row.x, &heights_m, hulls);
+                    beyond_m = heights_m;
                 }
             }
-            let u = self.major(along);
-            let Some(row) = r.row(u) else { continue };
-            let (low, share) = split(first_line(u));
-            // The first receiver lies above the first line, the others a posting apart.
-            let first = low + 1 - r.margin as isize;
-            let from = (-first).clamp(0, BLOCK as isize) as usize;
-            let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
-            if from >= to {
+            self.serve(&self.row(start, along), profile, hulls, slopes);
+        }
+    }
+
+    /// Raises the slopes of the receivers of a row.
+    #[inline(always)]
+    fn serve(&self, row: &Row, profile: &Profile, hulls: &mut [Hull; LINES], slopes: &mut [f32]) {
+        let r = self.receivers;
+        let Some(start) = r.row(row.u).map(|u| u * r.stride) else { return };
+        // The first receiver lies above the first line, the others a posting apart.
+        let first = row.low + 1 - r.margin as isize;
+        let from = (-first).clamp(0, BLOCK as isize) as usize;
+        let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
+        for k in from..to {
+            let v = (first + k as isize) as usize;
+            let (slope, observer_m) = (&mut slopes[start + v], r.observers_m[start + v]);
+            let touches = [hulls[k].tangent(row.x, observer_m), hulls[k + 1].tangent(row.x, observer_m)];
+            let hidden = |touch: Touch| touch.rise_m <= *slope * touch.run_m;
+            if hidden(touches[0]) & hidden(touches[1]) {
                 continue;
             }
-            let lane = ((1.0 - share) * LINES as f64).ceil() as usize - 1;
-            let weight = (1.0 - ((1.0 - share) * LINES as f64 - lane as f64)) as f32;
-            let x = self.x_m(u) as f32;
-            let start = row * r.stride;
-            for i in from..to {
-                let v = (first + i as isize) as usize;
-                let slope = &mut slopes[start + v];
-                let observer_m = r.observers_m[start + v];
-                let k = lane + i * LINES;
-                let below = hulls[k].tangent(x, observer_m);
-                let above = hulls[k + 1].tangent(x, observer_m);
-                let hidden = |touch: Touch| touch.rise_m <= *slope * touch.run_m;
-                if hidden(below) & hidden(above) {
-                    continue;
-                }
-                let far = self.between(profile, u, v + r.margin, observer_m, [below, above], weight);
-                if !(far <= *slope) {
-                    *slope = far;
-                }
+            let far = self.between(profile, row, v + r.margin, observer_m, touches);
+            // NaN asks for a trace.
+            if far > *slope || far.is_nan() {
+                *slope = far;
             }
         }
     }
 
-    /// Pushes where lines cross a column between row `u` and the row beyond it, if the surface stands above the chord there.
+    /// Pushes where lines cross a column between a row and the one beyond it, if the surface stands above the chord there.
     #[inline(always)]
-    fn push_columns(
-        &self,
-        u: isize,
-        low: isize,
-        share: f64,
-        x: f32,
-        heights_m: &[f32; BLOCK_LINES],
-        beyond_m: &[f32; BLOCK_LINES],
-        hulls: &mut [Hull; BLOCK_LINES],
-    ) {
+    fn push_columns(&self, row: &Row, heights_m: &[f32; LINES], beyond_m: &[f32; LINES], hulls: &mut [Hull; LINES]) {
         let fine = self.fine();
-        for part in 0..LINES {
-            // All lines of a part cross their columns at the same distance.
-            let (step, share) = split(share + part as f64 / LINES as f64);
-            let (beyond, _) = split(share + self.ray.minor);
-            let column = beyond.max(0);
-            let along = (column as f64 - share) / self.ray.minor;
-            if beyond == 0 || along <= 1e-6 || along >= 1.0 - 1e-6 {
-                continue;
-            }
-            let start = (low + step + column + fine.pad() as isize) as usize;
-            let (near, far) = (&fine.row(u)[start..], &fine.row(u + self.ray.sign)[start..]);
-            let along = along as f32;
-            let x = x + along * fine.posting_m as f32;
-            for i in 0..=BLOCK {
-                let line = part + i * LINES;
-                if line >= BLOCK_LINES {
-                    break;
-                }
-                let height_m = (1.0 - along) * near[i] + along * far[i];
-                let chord_m = (1.0 - along) * heights_m[line] + along * beyond_m[line];
-                if height_m > larger(chord_m, ABSENT_M) {
-                    hulls[line].push(x, height_m);
-                }
+        // All lines of a block cross their columns at the same distance.
+        let beyond = row.share + self.ray.minor;
+        let column = if beyond > 1.0 { 1 } else { 0 };
+        let along = (column as f64 - row.share) / self.ray.minor;
+        if (0.0..=1.0).contains(&beyond) || along <= 1e-6 || along >= 1.0 - 1e-6 {
+            return;
+        }
+        let start = (row.low + column + fine.pad() as isize) as usize;
+        let near: &[f32; LINES] = fine.row(row.u)[start..].first_chunk().expect("padding");
+        let far: &[f32; LINES] = fine.row(row.u + self.ray.sign)[start..].first_chunk().expect("padding");
+        let (along, rest) = (along as f32, 1.0 - along as f32);
+        let x = row.x + along * fine.posting_m as f32;
+        for k in 0..LINES {
+            let height_m = rest * near[k] + along * far[k];
+            if height_m > larger(rest * heights_m[k] + along * beyond_m[k], ABSENT_M) {
+                hulls[k].push(x, height_m);
             }
         }
     }
 
     /// The slope seen between two lines from their tangents. Where these do not agree, that on the receiver's own line.
-    fn between(&self, profile: &Profile, u: isize, v: usize, observer_m: f32, touches: [Touch; 2], weight: f32) -> f32 {
-        if larger(touches[0].run_m, touches[1].run_m) > self.search_x {
+    fn between(&self, profile: &Profile, row: &Row, v: usize, observer_m: f32, touches: [Touch; 2]) -> f32 {
+        if larger(touches[0].run_m, touches[1].run_m) > self.search_x() {
             return f32::NAN;
         }
+        // A receiver lies `1 − share` above its lower line.
+        let share = row.share as f32;
         let [below, above] = touches.map(|touch| touch.rise_m / touch.run_m);
-        if (below - above).abs() <= self.tolerance {
-            return weight * below + (1.0 - weight) * above;
+        let mixed = share * below + (1.0 - share) * above;
+        if (below - above).abs() <= AGREEMENT {
+            return mixed;
         }
-        let steps = touches.map(|touch| (touch.run_m * self.inverse_posting + 0.5) as usize);
-        let reach = profile.reach(self.fine(), u, v);
-        let own = profile.slope(self.fine(), u, v, observer_m, steps, reach) * self.inverse_posting;
+        let inverse_posting = 1.0 / self.fine().posting_m as f32;
+        let steps = touches.map(|touch| (touch.run_m * inverse_posting + 0.5) as usize);
+        let reach = profile.reach(self.fine(), row.u, v);
+        let own = profile.slope(self.fine(), row.u, v, observer_m, steps, reach) * inverse_posting;
         if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
             return own;
         }
         // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
         let lower = if below < above { below } else { above };
-        let both = if steps[0].min(steps[1]) > reach { weight * below + (1.0 - weight) * above } else { lower };
-        larger(own, both)
+        larger(own, if steps[0].min(steps[1]) > reach { mixed } else { lower })
     }
 
-    /// Pushes the first [`RING`] nodes of the level after `level` along a line that leaves `level`.
-    fn carry_on(&self, level: usize, line: Line, slack_m: f64, hull: &mut Hull) {
+    /// Pushes the first [`RING`] nodes of the level after `level` along a line that leaves `level`, widened by a slack.
+    pub fn carry_on(&self, level: usize, line: Line, slack_m: f64, hull: &mut Hull) {
         if let Some(next) = self.levels.get(level + 1) {
             let exit_m = self.levels[level].exit_x_m(line, slack_m);
             let ring_m = exit_m + RING * next.grid.posting_m;
             next.descend(line, exit_m, ring_m, |x, height_m| hull.push(x as f32, height_m));
         }
     }
-
-    /// The hulls of coarser levels.
-    pub fn beyond(&self) -> Vec<Beyond> {
-        (1..self.levels.len()).map(|level| Beyond::new(self, level)).collect()
-    }
 }
 
-/// Hulls of what a coarser level adds beyond the ring, on lines half its posting apart.
-#[derive(Debug)]
-pub struct Beyond {
-    first_m: f64,
-    spacing_m: f64,
-    minor: f64,
-    search_x: f32,
-    hulls: Vec<Hull>,
-}
-
-impl Beyond {
-    fn new(far: &Far, level: usize) -> Self {
-        let (placed, finer) = (&far.levels[level], &far.levels[level - 1]);
-        let spacing_m = placed.grid.posting_m / LINES as f64;
-        let (low, high) = far.intercepts();
-        let fine_m = far.fine().posting_m;
-        let first_m = low * fine_m - spacing_m;
-        let lines = ((high - low) * fine_m / spacing_m) as usize + 4;
-        let line = |i: f64| Line { intercept_m: first_m + i * spacing_m, minor: far.ray.minor };
-        let exit_m = |i: f64| finer.exit_x_m(line(i), 2.0 * spacing_m);
-        let hulls = (0..lines).map(|i| {
-            let i = i as f64;
-            let mut hull = Hull::default();
-            far.carry_on(level, line(i), 2.0 * spacing_m, &mut hull);
-            // No finer line between this one and its neighbours leaves the finer level earlier.
-            let leave_m = exit_m(i - 1.0).min(exit_m(i)).min(exit_m(i + 1.0));
-            let from_m = leave_m + (RING - 1.0) * placed.grid.posting_m;
-            placed.descend(line(i), from_m, f64::INFINITY, |x, height_m| hull.push(x as f32, height_m));
-            hull
-        });
-        let hulls = hulls.collect();
-        Self { first_m, spacing_m, minor: far.ray.minor, search_x: far.search_x, hulls }
-    }
-
-    /// Slope of the skyline from a receiver at `(x, y)`; NaN where it lies beyond the search distance.
-    pub fn slope(&mut self, x_m: f64, y_m: f64, height_m: f32) -> f32 {
-        let line = (y_m - self.minor * x_m - self.first_m) / self.spacing_m;
-        let low = line.floor();
-        let share = (line - low) as f32;
-        let mut of = |i: usize| {
-            let touch = self.hulls[i].tangent_beyond(x_m as f32, height_m);
-            if touch.run_m > self.search_x { f32::NAN } else { touch.rise_m / touch.run_m }
-        };
-        let (a, b) = (of(low as usize), of(low as usize + 1));
-        (1.0 - share) * a + share * b
-    }
-}
-
-/// Whole part and the rest.
-fn split(v: f64) -> (isize, f64) {
-    let low = v as isize - isize::from(v < 0.0);
-    (low, v - low as f64)
-}
-
-/// Heights of a block of lines where they cross row `u`, the first at minor coordinate `low + share`.
+/// Heights of a block's lines on a row of nodes.
 #[inline(always)]
-fn sample(grid: &Grid, u: isize, low: isize, share: f64) -> [f32; BLOCK_LINES] {
-    let start = (low + grid.pad() as isize) as usize;
-    let nodes: &[f32; BLOCK + 2] = grid.row(u)[start..start + BLOCK + 2].try_into().expect("BLOCK + 2");
-    let mut heights_m = [0.0; BLOCK_LINES];
-    for part in 0..LINES {
-        let (step, share) = split(share + part as f64 / LINES as f64);
-        let (step, share) = (step as usize, share as f32);
-        for i in 0..BLOCK {
-            heights_m[part + i * LINES] = (1.0 - share) * nodes[i + step] + share * nodes[i + step + 1];
+fn sample(grid: &Grid, row: &Row) -> [f32; LINES] {
+    let start = (row.low + grid.pad() as isize) as usize;
+    let nodes: &[f32; LINES + 1] = grid.row(row.u)[start..].first_chunk().expect("padding");
+    let share = row.share as f32;
+    let mut heights_m = [0.0; LINES];
+    for k in 0..LINES {
+        heights_m[k] = (1.0 - share) * nodes[k] + share * nodes[k + 1];
+    }
+    heights_m
+}
+
+#[inline(always)]
+fn push_row(x: f32, heights_m: &[f32; LINES], hulls: &mut [Hull; LINES]) {
+    for (hull, height_m) in hulls.iter_mut().zip(heights_m) {
+        // A line may run beside the grid, or over a gap.
+        if *height_m > ABSENT_M {
+            hull.push(x, *height_m);
         }
     }
-    let share = share as f32;
-    heights_m[BLOCK_LINES - 1] = (1.0 - share) * nodes[BLOCK] + share * nodes[BLOCK + 1];
-    heights_m
 }

@@ -1,6 +1,6 @@
 //! A level's heights as a sweep wants them: rows along the minor axis, padded, gaps far below everything.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles as _};
 
 use crate::terrain::Level;
 
@@ -33,8 +33,6 @@ impl Major {
         }
     }
 }
-
-use glam::Vec2Swizzles as _;
 
 /// Occluding heights, `[major][minor]`, with a margin of [`NEVER_M`] all around.
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 //! multiplication and no division.
 //!
 //! # References
-//! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), doi:10.1111/j.1467-8659.2009.01640.x.
+//! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
 use super::grid::NEVER_M;
 
@@ -99,5 +99,45 @@ impl Hull {
         }
         self.touched = touched;
         Touch { rise_m: vertex.height_m - height_m, run_m: vertex.x - x }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The steepest of all points, looked at one by one.
+    fn steepest(points: &[(f32, f32)], x: f32, height_m: f32) -> f32 {
+        points.iter().map(|(px, h)| (h - height_m) / (px - x)).fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    #[test]
+    fn a_tangent_is_the_steepest_of_all_points() {
+        let (mut hull, mut points) = (Hull::default(), Vec::new());
+        for step in 0..2000 {
+            let x = -10.0 * step as f32;
+            // Any bumpy profile: no two waves in step.
+            let phase = step as f32;
+            let height_m = 200.0 * (0.011 * phase).sin() + 40.0 * (0.173 * phase).cos() + 9.0 * (1.9 * phase).sin();
+            hull.push(x, height_m);
+            points.push((x, height_m));
+            for (nearer_m, receiver_m) in [(10.0, height_m), (300.0, -150.0), (45.0, 260.0)] {
+                let touch = hull.tangent(x - nearer_m, receiver_m);
+                let expected = steepest(&points, x - nearer_m, receiver_m);
+                // Hull slopes are rounded to 1e-7 of some units.
+                assert!((touch.rise_m / touch.run_m - expected).abs() < 1e-5, "{step}: {touch:?} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_behind_a_receiver_do_not_count() {
+        let mut hull = Hull::default();
+        for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
+            hull.push(x, height_m);
+        }
+        let touch = hull.tangent_beyond(150.0, 0.0);
+        assert_eq!((touch.rise_m, touch.run_m), (28.0, 50.0));
+        assert!(Hull::default().tangent_beyond(0.0, 0.0).rise_m < -1e29);
     }
 }

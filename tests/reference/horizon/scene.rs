@@ -96,9 +96,9 @@ pub fn cratered(nodes: usize, posting_m: f64, seed: u64) -> Face {
     let map = lunar_map();
     let heights_m = craters(nodes, posting_m, seed);
     let mut level = level(&map, nodes, posting_m, DVec2::ZERO, |_| 0.0);
-    for i in 0..heights_m.len() {
+    for (i, height_m) in heights_m.iter().enumerate() {
         let at_m = level.node_m(i % nodes, i / nodes);
-        level.heights_m[i] = map.lifted_height_m(at_m, map.radius_m + f64::from(heights_m[i])) as f32;
+        level.heights_m[i] = map.lifted_height_m(at_m, map.radius_m + f64::from(*height_m)) as f32;
     }
     face(map, vec![level])
 }

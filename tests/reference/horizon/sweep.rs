@@ -28,13 +28,6 @@ pub fn errors(face: &Face, level: usize, settings: &Settings, pixels: usize) -> 
             samples += r.majors * r.minors;
             for &(u, v) in &sample {
                 let traced_rad = tracer.skyline(sweep.foot(u, v), direction).elevation_rad;
-                if (f64::from(plane[u * r.stride + v]) - traced_rad).abs() > 0.003 {
-                    println!(
-                        "BAD {major:?} {u} {v} {direction} {} {:?}",
-                        plane[u * r.stride + v],
-                        tracer.skyline(sweep.foot(u, v), direction)
-                    );
-                }
                 errors_rad.push(f64::from(plane[u * r.stride + v]) - traced_rad);
             }
         }
@@ -128,6 +121,24 @@ fn a_margin_casts_shadows_but_has_no_horizons() {
             for column in 0..120 {
                 // Lines lie elsewhere by up to half their spacing.
                 assert!((a[row + 40][column + 40] - b[row][column]).abs() < 1e-2, "{azimuth}");
+            }
+        }
+    }
+}
+
+/// On a diagonal every line runs through nodes and rounding decides beside which one: no receiver may be left out.
+#[test]
+fn no_receiver_falls_between_lines() {
+    let map = lunar_map();
+    let wall = |at: DVec2| if at.length() > 8000.0 { 1500.0 } else { 0.0 };
+    let face = face(map.clone(), vec![level(&map, 901, 20.0, DVec2::ZERO, wall)]);
+    let settings = Settings { azimuths: 72, ..Settings::default() };
+    for azimuth in 0..72 {
+        let plane = super::scene::swept(&face, 0, &settings, settings.direction(azimuth));
+        // The wall is 3 to 13 km away from everyone within 5 km of the centre.
+        for row in (270..630).step_by(3) {
+            for elevation_rad in &plane[row][270..630] {
+                assert!(*elevation_rad > 0.1, "{azimuth} {row}: {elevation_rad}");
             }
         }
     }

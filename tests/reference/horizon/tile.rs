@@ -3,7 +3,11 @@
 use std::fs;
 use std::sync::Mutex;
 
+use perilune::geometry::Body;
+use perilune::horizon::build::Builder;
+use perilune::horizon::inspect::{self, Place};
 use perilune::horizon::store::{self, Key};
+use perilune::horizon::trace::Tracer;
 use perilune::horizon::{Encoding, Error, Settings, build, open_or_build};
 
 use super::scene::cratered;
@@ -17,8 +21,8 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(101, 20.0, 1);
     for encoding in [Encoding::Fm16, Encoding::F16] {
-        let built = build(&face, 0, &settings(), encoding, directory.path(), &|_, _| ()).unwrap();
-        let key = Key::of(&face, 0, &settings(), encoding);
+        let built = build(&Body::moon(), &face, 0, &settings(), encoding, directory.path(), &|_, _| ()).unwrap();
+        let key = Key::of(&Body::moon(), &face, 0, &settings(), encoding);
         let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
         assert!(read == built);
         assert_eq!(header.key, key);
@@ -38,52 +42,56 @@ fn a_second_run_reuses_the_tile_and_a_changed_height_does_not() {
     let mut face = cratered(65, 20.0, 1);
     let calls = Mutex::new(0);
     let count = |_: usize, _: usize| *calls.lock().unwrap() += 1;
-    let first = open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    let first = open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
     let after_first = *calls.lock().unwrap();
-    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap() == first);
+    assert!(
+        open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap() == first
+    );
     assert_eq!(*calls.lock().unwrap(), after_first);
     face.levels[0].heights_m[7] += 1.0;
-    open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
     assert!(*calls.lock().unwrap() > after_first);
 }
 
 #[test]
 fn everything_that_shapes_a_tile_changes_its_key() {
     let face = cratered(33, 20.0, 1);
-    let base = Key::of(&face, 0, &settings(), Encoding::Fm16);
-    let mut keys = vec![base, Key::of(&face, 0, &settings(), Encoding::F16)];
+    let base = Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16);
+    let mut keys = vec![base, Key::of(&Body::moon(), &face, 0, &settings(), Encoding::F16)];
     for settings in [
         Settings { azimuths: 41, ..settings() },
         Settings { observer_height_m: 2.0, ..settings() },
         Settings { search_m: Some(1e4), ..settings() },
     ] {
-        keys.push(Key::of(&face, 0, &settings, Encoding::Fm16));
+        keys.push(Key::of(&Body::moon(), &face, 0, &settings, Encoding::Fm16));
     }
     let change = |edit: &dyn Fn(&mut perilune::terrain::Face)| {
         let mut face = face.clone();
         edit(&mut face);
-        Key::of(&face, 0, &settings(), Encoding::Fm16)
+        Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16)
     };
     keys.push(change(&|face| face.levels[0].heights_m[0] += 0.01));
     keys.push(change(&|face| face.levels[0].gap[3] = true));
     keys.push(change(&|face| face.levels[0].margin = 1));
     keys.push(change(&|face| face.levels[0].posting_m = 21.0));
     keys.push(change(&|face| face.map.radius_m += 1.0));
+    keys.push(Key::of(&Body { name: "other".into(), ..Body::moon() }, &face, 0, &settings(), Encoding::Fm16));
     let count = keys.len();
     keys.sort_by(|a, b| a.as_str().cmp(b.as_str()));
     keys.dedup();
     assert_eq!(keys.len(), count);
 }
 
-/// A build killed after some blocks goes on from its checkpoint to the same bytes, and threads do not matter.
 #[test]
 fn threads_do_not_change_a_byte() {
     let face = cratered(97, 20.0, 4);
     let bytes = |threads: usize| {
         let directory = tempfile::tempdir().unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ())).unwrap();
-        fs::read(store::path_for(directory.path(), &Key::of(&face, 0, &settings(), Encoding::Fm16))).unwrap()
+        pool.install(|| build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()))
+            .unwrap();
+        fs::read(store::path_for(directory.path(), &Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16)))
+            .unwrap()
     };
     assert!(bytes(1) == bytes(3));
 }
@@ -92,17 +100,20 @@ fn threads_do_not_change_a_byte() {
 fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(65, 20.0, 1);
-    let key = Key::of(&face, 0, &settings(), Encoding::Fm16);
-    let built = build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
+    let key = Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16);
+    let built = build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
     let path = store::path_for(directory.path(), &key);
     let whole = fs::read(&path).unwrap();
 
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     let message = store::read_of(directory.path(), &key).unwrap_err().to_string();
     assert!(message.contains("truncated") && message.contains("horizon_"), "{message}");
-    assert!(open_or_build(&face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap() == built);
+    assert!(
+        open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
+            == built
+    );
 
-    let other = Key::of(&face, 0, &Settings { azimuths: 48, ..settings() }, Encoding::Fm16);
+    let other = Key::of(&Body::moon(), &face, 0, &Settings { azimuths: 48, ..settings() }, Encoding::Fm16);
     fs::write(store::path_for(directory.path(), &other), &whole).unwrap();
     assert!(matches!(store::read_of(directory.path(), &other), Err(Error::OtherKey { .. })));
 
@@ -117,15 +128,17 @@ fn a_tile_that_cannot_be_written_is_an_error_with_its_path() {
     let file = directory.path().join("file");
     fs::write(&file, b"").unwrap();
     let error =
-        build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ()).unwrap_err();
+        build(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ())
+            .unwrap_err();
     assert!(error.to_string().contains("file/tiles"), "{error}");
     // A full disk.
     if std::path::Path::new("/dev/full").exists() {
-        let key = Key::of(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16);
+        let key = Key::of(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16);
         let path = store::path_for(directory.path(), &key);
         std::os::unix::fs::symlink("/dev/full", path.with_extension("tif.writing")).unwrap();
         let error =
-            build(&cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap_err();
+            build(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ())
+                .unwrap_err();
         assert!(matches!(error, Error::Write { .. }), "{error}");
     }
 }
@@ -140,10 +153,83 @@ fn settings_out_of_range_are_refused() {
         Settings { observer_height_m: f64::NAN, ..settings() },
         Settings { search_m: Some(0.0), ..settings() },
     ] {
-        assert!(build(&face, 0, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).is_err(), "{settings:?}");
+        assert!(
+            build(&Body::moon(), &face, 0, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).is_err(),
+            "{settings:?}"
+        );
     }
     assert!(matches!(
-        build(&face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()),
+        build(&Body::moon(), &face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()),
         Err(Error::NoLevel { .. })
     ));
+}
+
+/// A build that stops half way (its progress callback panics) leaves a checkpoint; the next one goes on from there.
+#[test]
+fn an_interrupted_build_goes_on_to_the_same_bytes() {
+    let face = cratered(65, 20.0, 6);
+    let (whole, broken) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let body = Body::moon();
+    let path = |directory: &std::path::Path| {
+        store::path_for(directory, &Key::of(&body, &face, 0, &settings(), Encoding::Fm16))
+    };
+    build(&body, &face, 0, &settings(), Encoding::Fm16, whole.path(), &|_, _| ()).unwrap();
+    for stop_after in [5, 21, 33] {
+        let mut builder = Builder::new(&body, &face, 0, &settings(), Encoding::Fm16, broken.path()).unwrap();
+        while builder.done() < stop_after {
+            builder.step();
+        }
+        builder.save().unwrap();
+        drop(builder);
+        let first = Mutex::new(None);
+        let note = |done: usize, _: usize| {
+            first.lock().unwrap().get_or_insert(done);
+        };
+        build(&body, &face, 0, &settings(), Encoding::Fm16, broken.path(), &note).unwrap();
+        assert!(first.lock().unwrap().unwrap() > stop_after, "it went on and did not start afresh");
+        assert!(fs::read(path(whole.path())).unwrap() == fs::read(path(broken.path())).unwrap());
+        assert_eq!(fs::read_dir(broken.path()).unwrap().count(), 1, "the checkpoint is gone");
+        fs::remove_file(path(broken.path())).unwrap();
+    }
+}
+
+#[test]
+fn a_tile_is_verified_against_its_own_heights_only() {
+    let directory = tempfile::tempdir().unwrap();
+    let (body, mut face) = (Body::moon(), cratered(65, 20.0, 1));
+    build(&body, &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
+    let path = store::path_for(directory.path(), &Key::of(&body, &face, 0, &settings(), Encoding::Fm16));
+    let verification = inspect::verify(&body, &face, 0, &path, 100).unwrap();
+    assert!(verification.confirms(), "{verification:?}");
+    let mut worse = verification.clone();
+    worse.header.errors.decoded.rms_rad /= 3.0;
+    assert!(!worse.confirms());
+    face.levels[0].heights_m[9] += 5.0;
+    assert!(matches!(inspect::verify(&body, &face, 0, &path, 10), Err(Error::OtherKey { .. })));
+}
+
+/// Skyline of a place by latitude and longitude, decoded and traced, azimuth from north.
+#[test]
+fn a_place_is_found_by_latitude_and_longitude() {
+    let directory = tempfile::tempdir().unwrap();
+    let (body, face) = (Body::moon(), cratered(129, 20.0, 1));
+    build(&body, &face, 0, &settings(), Encoding::F16, directory.path(), &|_, _| ()).unwrap();
+    let path = store::path_for(directory.path(), &Key::of(&body, &face, 0, &settings(), Encoding::F16));
+    let (header, map) = store::read(&path).unwrap();
+    assert!(Place::on(&header, -80.0, 0.0).is_none());
+    // 600 m from the pole towards 90° east, which the map about longitude 0 has on its right.
+    let latitude_deg = -90.0 + (600.0 / body.equatorial_radius_m).to_degrees();
+    let place = Place::on(&header, latitude_deg, 90.0).unwrap();
+    assert!((place.at_m - glam::DVec2::new(600.0, 0.0)).length() < 1e-3, "{place:?}");
+    // North, away from the pole, is right on the map there; east of it, 90° clockwise, is down.
+    assert!((place.direction(&header, 0.0) - glam::DVec2::X).length() < 1e-6);
+    assert!((place.direction(&header, std::f64::consts::FRAC_PI_2) + glam::DVec2::Y).length() < 1e-6);
+    let tracer = Tracer::new(&face, &header.settings);
+    let errors = (0..40).map(|i| {
+        let azimuth_rad = f64::from(i) / 40.0 * std::f64::consts::TAU;
+        let traced = place.traced(&header, &tracer, azimuth_rad).unwrap();
+        place.decoded_rad(&header, &map, azimuth_rad) - traced.elevation_rad
+    });
+    let rms_rad = (errors.map(|e| e * e).sum::<f64>() / 40.0).sqrt();
+    assert!(rms_rad < 3.0 * header.errors.decoded.rms_rad, "{rms_rad}");
 }

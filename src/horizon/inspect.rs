@@ -1,0 +1,115 @@
+//! Questions to a finished tile: are its errors those it states, and what is the skyline of a place.
+
+use std::path::Path;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::error::{Error, ErrorStatistics};
+use super::measure::Sample;
+use super::pack::HorizonMap;
+use super::store::{self, Header, Key, MapHeader};
+use super::trace::{Skyline, Tracer};
+use crate::geometry::{Body, Direction, Geodetic, Local, Position, Rotation};
+use crate::terrain::{Face, Gnomonic};
+use glam::{DMat3, DVec3};
+
+/// What a tile states and what a new trace finds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    pub header: Header,
+    /// Errors of the decoded series at the pixels asked for.
+    pub found: ErrorStatistics,
+}
+
+impl Verification {
+    /// Whether the errors found are those stated, up to the scatter between samples of pixels.
+    pub fn confirms(&self) -> bool {
+        let (found, stated) = (self.found, self.header.errors.decoded);
+        let alike = |found: f64, stated: f64| found <= 2.0 * stated + 1e-5;
+        alike(found.rms_rad, stated.rms_rad) && alike(found.p95_rad, stated.p95_rad)
+    }
+}
+
+/// Traces `pixels` of a tile anew. The tile must have been made from these heights.
+pub fn verify(body: &Body, face: &Face, level: usize, path: &Path, pixels: usize) -> Result<Verification, Error> {
+    let (header, map) = store::read(path)?;
+    let settings = header.settings;
+    let expected = Key::of(body, face, level, &settings, header.encoding);
+    if header.key != expected {
+        let (got, expected) = (header.key.as_str().into(), expected.as_str().into());
+        return Err(Error::OtherKey { path: path.into(), got, expected });
+    }
+    let nodes = &face.levels[level];
+    let tracer = Tracer::without_finer(face, level, &settings);
+    let errors = |&[column, row]: &[usize; 2]| {
+        let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
+        let series = map.horizon(DVec2::new(column as f64, row as f64));
+        let error = |azimuth: usize| {
+            let direction = settings.direction(azimuth);
+            series.evaluate_towards(direction).0 - tracer.skyline(foot, direction).elevation_rad
+        };
+        (0..settings.azimuths).map(error).collect::<Vec<_>>()
+    };
+    let sample = Sample::of(nodes, pixels, settings.azimuths);
+    let errors: Vec<_> = sample.pixels.par_iter().map(errors).collect();
+    Ok(Verification { header, found: ErrorStatistics::of(errors.into_iter().flatten()) })
+}
+
+/// A place on a tile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Map coordinates, and nodes from the first seen one.
+    pub at_m: DVec2,
+    pub grid: DVec2,
+    /// Turns east, north, up into map axes.
+    local: Rotation<crate::geometry::Map, Local>,
+}
+
+impl Place {
+    /// A place by latitude and longitude; `None` outside the tile.
+    pub fn on(header: &Header, latitude_deg: f64, longitude_east_deg: f64) -> Option<Self> {
+        let map = gnomonic(&header.map);
+        let body = Body {
+            name: header.body.name.clone(),
+            naif_id: 0,
+            equatorial_radius_m: header.body.equatorial_radius_m,
+            polar_radius_m: header.body.polar_radius_m,
+        };
+        let point = Geodetic::from_degrees(latitude_deg, longitude_east_deg, 0.0);
+        let at_m = map.lifted_from_body(body.position_from_geodetic(point))?.truncate();
+        let grid = (at_m - DVec2::new(header.map.west_m, header.map.south_m)) / header.map.posting_m;
+        let last = DVec2::new((header.columns - 1) as f64, (header.rows - 1) as f64);
+        let inside = grid.cmpge(DVec2::ZERO).all() && grid.cmple(last).all();
+        let local = map.map_from_body * body.local_from_body(point).inverse();
+        inside.then_some(Self { at_m, grid, local })
+    }
+
+    /// The unit map direction of an azimuth clockwise from north.
+    pub fn direction(&self, header: &Header, azimuth_rad: f64) -> DVec2 {
+        let (sin, cos) = azimuth_rad.sin_cos();
+        let towards = Direction::<Local>::new(DVec3::new(sin, cos, 0.0)).expect("a unit vector");
+        gnomonic(&header.map).map_direction(self.at_m, self.local * towards).normalize()
+    }
+
+    /// Elevation of the skyline that the tile decodes to.
+    pub fn decoded_rad(&self, header: &Header, map: &HorizonMap, azimuth_rad: f64) -> f64 {
+        map.horizon(self.grid).evaluate_towards(self.direction(header, azimuth_rad)).0
+    }
+
+    /// The traced skyline, from the heights that the tile was made from.
+    pub fn traced(&self, header: &Header, tracer: &Tracer, azimuth_rad: f64) -> Option<Skyline> {
+        Some(tracer.skyline(tracer.foot(self.at_m)?, self.direction(header, azimuth_rad)))
+    }
+}
+
+/// The map that a header describes.
+fn gnomonic(header: &MapHeader) -> Gnomonic {
+    let axes = [header.right, header.up, header.outward].map(DVec3::from_array);
+    let matrix = DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
+    Gnomonic {
+        origin: Position::from_m(DVec3::from_array(header.origin_m)),
+        map_from_body: Rotation::from_matrix(matrix),
+        radius_m: header.radius_m,
+    }
+}
