@@ -50,7 +50,7 @@ fn degrees_millimetres_and_steps_become_radians_metres_and_epochs() {
     assert_eq!(*height_above, HeightAbove::Terrain);
     assert_eq!(points[5].point.latitude_rad, (-87.00428_f64).to_radians());
     assert_eq!(points[5].epoch, scenario.exposures[23]);
-    assert!(matches!(scenario.terrain.unwrap().dems[0], Dem::Synthetic { columns: 1025, .. }));
+    assert!(matches!(scenario.terrain.unwrap().dems[0], Dem::Synthetic { columns: 513, .. }));
 }
 
 /// `½ · 1024 / tan(½ · 147°)`.
