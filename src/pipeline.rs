@@ -26,7 +26,7 @@ pub use motion::Exposure;
 pub use progress::{Progress, Silent};
 
 use crate::dataset::{self, Writer};
-use crate::ephemeris::{Almanac, BodyFrame, default_kernel_folder};
+use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
 use crate::render::passes::Passes;
@@ -93,15 +93,22 @@ pub struct Prepared {
 
 /// Kernels, terrain and poses of a scenario.
 pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
-    let almanac = match &scenario.kernels {
-        Some(paths) => Almanac::load(paths)?,
-        None => Almanac::default_kernels(&default_kernel_folder())?,
-    };
+    let almanac = Almanac::load(&kernels(scenario))?;
     let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
     let frame = BodyFrame { body: scenario.body.clone(), ..named };
     let ground = ground::surface(scenario, &frame.body, cache, progress)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     Ok(Prepared { almanac, frame, ground, exposures })
+}
+
+/// The scenario's kernels, or the shipped ones, and the trajectory's.
+fn kernels(scenario: &Scenario) -> Vec<PathBuf> {
+    let shipped = || DEFAULT_KERNELS.map(|name| default_kernel_folder().join(name)).to_vec();
+    let mut kernels = scenario.kernels.clone().unwrap_or_else(shipped);
+    if let scenario::Trajectory::Spk { path: Some(path), .. } = &scenario.trajectory {
+        kernels.push(path.clone());
+    }
+    kernels
 }
 
 /// The scene that a renderer reads, with its shadows.
