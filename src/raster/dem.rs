@@ -290,7 +290,8 @@ fn needed(
 ) -> Result<Window, Error> {
     const PROBES: i32 = 32;
     let middle_m = body.position_from_geodetic(centre).vector_m();
-    let east_m = middle_m.any_orthonormal_vector() * distance_m;
+    // Any two directions across each other will do.
+    let east_m = middle_m.normalize().any_orthonormal_vector() * distance_m;
     let north_m = middle_m.normalize().cross(east_m);
     let place = |index: i32| {
         let (x, y) = (index % (2 * PROBES + 1) - PROBES, index / (2 * PROBES + 1) - PROBES);

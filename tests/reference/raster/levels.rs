@@ -55,10 +55,10 @@ fn reading_only_what_an_extent_needs_changes_no_height() {
     let path = folder.path().join("rough.tif");
     let model = Model::about(Projection::PolarStereographic, DVec2::new(3000.0, -500.0), 400, 20.0);
     model.write(&path, |d| 500.0 * (d * 9e3).sin().x);
-    // 71° of longitude away from the model's columns; at its edge the window is cut.
-    for (x_m, y_m) in [(3000.0, -500.0), (6500.0, 2400.0)] {
+    // In the middle, and near a corner where the window is cut.
+    for (x_m, y_m) in [(3000.0, -500.0), (10_700.0, 7_200.0)] {
         let point = Dem::open(&path, &Body::moon(), &Options::default()).unwrap();
-        let pixel = DVec2::new((x_m - 3000.0) / 20.0 + 199.5, 199.5 - (y_m + 500.0) / 20.0);
+        let pixel = DVec2::new((x_m - 3000.0) / 20.0 + 399.5, 399.5 - (y_m + 500.0) / 20.0);
         let centre = point.georeference.projector().unwrap().geodetics(&[pixel])[0];
         for posting_m in [None, Some(60.0)] {
             let around = Some(Around { centre, distance_m: 500.0 * 2f64.sqrt() });
