@@ -6,19 +6,32 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use perilune::scenario::ScenarioError;
 
 /// Calibrated images of airless terrain for landing navigation.
+///
+/// A scenario names terrain, camera, trajectory and epochs; `sim run` makes the images, with shadows from
+/// Fourier-compressed horizon maps, and the poses, the Sun and the inputs beside them.
 #[derive(Debug, Parser)]
-#[command(name = "sim", version, about)]
+#[command(name = "sim", version, arg_required_else_help = true, after_help = FIRST_STEPS)]
 struct Sim {
     #[command(subcommand)]
     command: Command,
 }
 
+const FIRST_STEPS: &str = "\
+First steps:
+  sim run lunar_descent.ron           24 images of a descent, into output/lunar_descent
+  sim check mine.ron                  all that is wrong with a scenario, without running it
+  sim inspect output/lunar_descent    what was made, and whether it is whole
+  sim schema                          all that a scenario can say
+
+Exit codes: 0 done, 1 an error, 2 wrong arguments";
+
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(cli::check::Args),
-    Horizon(cli::horizon::Args),
+    Horizon(Box<cli::horizon::Args>),
     Inspect(cli::inspect::Args),
     Kernels(cli::kernels::Args),
     Run(cli::run::Args),
@@ -33,7 +46,7 @@ fn main() -> ExitCode {
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let outcome = match Sim::parse().command {
         Command::Check(args) => cli::check::run(args),
-        Command::Horizon(args) => cli::horizon::run(args),
+        Command::Horizon(args) => cli::horizon::run(*args),
         Command::Inspect(args) => cli::inspect::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
         Command::Run(args) => cli::run::run(args),
@@ -43,18 +56,23 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", chain(error.as_ref()));
+            lines(error.as_ref()).iter().for_each(|line| eprintln!("error: {line}"));
             ExitCode::FAILURE
         }
     }
 }
 
-/// An error and its causes on one line; a cause that the error quotes is not said again.
-fn chain(error: &dyn Error) -> String {
-    let text = error.to_string();
-    match error.source().map(chain) {
-        Some(cause) if !text.contains(&cause) => format!("{text}: {cause}"),
-        _ => text,
+/// A line a problem where there may be several, else one.
+fn lines(error: &(dyn Error + 'static)) -> Vec<String> {
+    if error.is::<ScenarioError>() || error.is::<cli::Problems>() {
+        return error.to_string().lines().map(String::from).collect();
     }
+    vec![cli::chain(error)]
+}
+
+/// The reader has seen enough, as in `sim schema | head`.
+fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -8,6 +8,7 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+mod check;
 mod error;
 pub mod ground;
 pub mod motion;
@@ -21,6 +22,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+pub use check::{Checked, check};
 pub use error::Error;
 pub use motion::Exposure;
 pub use progress::{Progress, Silent};
@@ -29,6 +31,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
+use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{Renderer, Scene, Shadows};
@@ -94,9 +97,12 @@ pub struct Prepared {
 /// Kernels, terrain and poses of a scenario.
 pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
     let almanac = Almanac::load(&kernels(scenario))?;
-    let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
-    let frame = BodyFrame { body: scenario.body.clone(), ..named };
-    let ground = ground::surface(scenario, &frame.body, cache, progress)?;
+    let frame = body_frame(scenario, &almanac)?;
+    let mut ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
+    for (role, path) in other_inputs(scenario) {
+        let sha256 = raster::digest(path)?;
+        ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
+    }
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     Ok(Prepared { almanac, frame, ground, exposures })
 }
@@ -109,6 +115,24 @@ fn kernels(scenario: &Scenario) -> Vec<PathBuf> {
         kernels.push(path.clone());
     }
     kernels
+}
+
+/// The scenario's frame with the figure that its heights refer to.
+fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error> {
+    let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
+    Ok(BodyFrame { body: scenario.body.clone(), ..named })
+}
+
+/// Files that shape the images besides elevation models and kernels, with their role.
+fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
+    let mut inputs = Vec::new();
+    if let Albedo::Map(path) = &scenario.albedo {
+        inputs.push(("albedo", path.as_path()));
+    }
+    if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
+        inputs.push(("trajectory", path.as_path()));
+    }
+    inputs
 }
 
 /// The scene that a renderer reads, with its shadows.
@@ -130,7 +154,12 @@ pub fn scene(
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
-        scenario::Shadows::Fourier => Shadows::Fourier(ground::horizons(&ground.surface, &settings, cache, progress)?),
+        scenario::Shadows::Fourier => {
+            let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
+            let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+            let silent = |_: &ground::Tile| Ok::<_, Error>(());
+            Shadows::Fourier(ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)?)
+        }
     };
     Ok(Scene {
         surface: ground.surface.clone(),

@@ -5,3 +5,4 @@ mod cli;
 mod conformance;
 mod invariants;
 mod reference;
+mod scenes;

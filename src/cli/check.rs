@@ -2,41 +2,77 @@
 
 use std::path::PathBuf;
 
+use perilune::pipeline;
 use perilune::scenario::{self, ScenarioError};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
-use super::{Outcome, about};
+use super::bars::Bars;
+use super::{Outcome, Problems, about, chain, say};
 
-/// Check a scenario without running it: report all that is wrong with it, each with line and column.
+/// More problems of one scenario than these are one problem, seen at many exposures.
+const LISTED: usize = 20;
+
+/// Check a scenario without running it: list all that is wrong with it.
+///
+/// Keys, types and ranges are named with line and column. Then kernels are loaded, elevation models opened, and the
+/// camera is placed at every epoch: above the ground, where the terrain is a file or was made by a run.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: sim check lunar_descent.ron")]
 pub struct Args {
-    /// The scenario; a bare name is also looked for in `scenarios/`.
+    /// The scenario; a bare name is also looked for in `scenarios/`
     scenario: PathBuf,
-    /// A directory in which files are looked for, before `SIM_DATA`. Repeatable.
-    #[arg(long)]
+    /// Directory in which files are looked for, before `SIM_DATA`; may be given several times
+    #[arg(long, value_name = "DIR")]
     data: Vec<PathBuf>,
-    /// Print JSON.
+    /// Where runs keep synthetic terrain
+    #[arg(long, value_name = "DIR", default_value = "output/cache")]
+    cache: PathBuf,
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: Args) -> Outcome {
-    let checked = scenario::load(&args.scenario, &args.data, &about);
+    let scenario = match scenario::load(&args.scenario, &args.data, &about) {
+        Ok(scenario) => scenario,
+        Err(error) => {
+            if args.json {
+                say(format_args!("{:#}", written_wrongly(&error)))?;
+            }
+            return Err(error.into());
+        }
+    };
+    let bars = Bars::new();
+    let checked = pipeline::check(&scenario, &args.cache, &bars);
+    bars.clear();
+    let path = scenario.path.display();
+    let mut problems: Vec<String> = checked.problems.iter().map(|problem| chain(problem)).collect();
+    let unlisted = problems.len().saturating_sub(LISTED);
+    problems.truncate(LISTED);
+    if unlisted > 0 {
+        problems.push(format!("and {unlisted} more"));
+    }
     if args.json {
-        println!("{:#}", report(&checked));
-    } else if let Ok(scenario) = &checked {
-        println!("{}: {} exposures, no problems", scenario.path.display(), scenario.exposures.len());
+        let messages: Vec<Json> = problems.iter().map(|message| json!({ "message": message })).collect();
+        let report = json!({
+            "path": scenario.path, "exposures": scenario.exposures.len(),
+            "over_terrain": checked.over_terrain, "problems": messages,
+        });
+        say(format_args!("{report:#}"))?;
     }
-    match checked {
-        Ok(_) => Ok(()),
-        Err(error) => Err(error.into()),
+    if !problems.is_empty() {
+        return Err(Problems(problems.into_iter().map(|problem| format!("{path}: {problem}")).collect()).into());
     }
+    if !args.json {
+        let unseen = if checked.over_terrain { "" } else { " (terrain not made yet: heights above it unchecked)" };
+        say(format_args!("{path}: {} exposures, no problems{unseen}", scenario.exposures.len()))?;
+    }
+    Ok(())
 }
 
-fn report(checked: &Result<scenario::Scenario, ScenarioError>) -> serde_json::Value {
-    match checked {
-        Ok(scenario) => json!({ "path": scenario.path, "exposures": scenario.exposures.len(), "problems": [] }),
-        Err(ScenarioError::Problems { path, problems }) => json!({
+fn written_wrongly(error: &ScenarioError) -> Json {
+    match error {
+        ScenarioError::Problems { path, problems } => json!({
             "path": path,
             "problems": problems.iter().map(|problem| json!({
                 "line": problem.place.line,
@@ -45,6 +81,6 @@ fn report(checked: &Result<scenario::Scenario, ScenarioError>) -> serde_json::Va
                 "message": problem.fault.to_string(),
             })).collect::<Vec<_>>(),
         }),
-        Err(error) => json!({ "problems": [{ "message": error.to_string() }] }),
+        error => json!({ "problems": [{ "message": error.to_string() }] }),
     }
 }

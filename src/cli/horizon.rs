@@ -1,71 +1,50 @@
 //! `sim horizon`.
 
-use std::path::PathBuf;
-
-use clap::Subcommand;
-use perilune::horizon::inspect::Place;
-use perilune::horizon::store;
+mod build;
+mod levels;
+mod plot;
+mod query;
+mod verify;
 
 use super::Outcome;
 
 /// Build, verify and query horizon tiles.
+///
+/// A tile holds the skyline around every node of a map, as a Fourier series over azimuth. `sim run` builds the tiles
+/// it needs by itself; build them here to look at them, or ahead of a run.
 #[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
 pub struct Args {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    #[command(flatten)]
+    build: build::Args,
 }
 
-#[derive(Debug, Subcommand)]
+const EXAMPLES: &str = "\
+Examples:
+  sim terrain -o ridge.tif --columns 256 --rows 256
+  sim horizon ridge.tif -o tiles                        a tile of one DEM
+  sim horizon fine.tif wide.tif -o tiles --extent 8000  8 km of the fine one, within the wide one
+  sim horizon moon.tif -o tiles --cube --posting 4000   the whole body, on six maps
+  sim horizon verify tiles/horizon_0123456789abcdef.tif ridge.tif
+  sim horizon query tiles/horizon_0123456789abcdef.tif --at -89,0 --plot skyline.svg ridge.tif";
+
+#[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// Print what a tile says about itself, as JSON.
-    Show { tile: PathBuf },
-    /// Print the skyline of a place on a tile: azimuth clockwise from north and elevation, in degrees.
-    Query {
-        tile: PathBuf,
-        /// Latitude and east longitude, in degrees.
-        #[arg(long, value_parser = degrees, allow_hyphen_values = true, value_name = "LAT,LON")]
-        at: (f64, f64),
-        /// Azimuths to print, evenly spaced.
-        #[arg(long, default_value_t = 72)]
-        azimuths: usize,
-        /// Draw the skyline beside the numbers.
-        #[arg(long)]
-        plot: bool,
-    },
+    Verify(verify::Args),
+    Query(query::Args),
 }
 
 pub fn run(args: Args) -> Outcome {
     match args.command {
-        Command::Show { tile } => {
-            let (header, _) = store::read(&tile)?;
-            println!("{}", serde_json::to_string_pretty(&header)?);
-            Ok(())
-        }
-        Command::Query { tile, at, azimuths, plot } => query(&tile, at, azimuths, plot),
+        Some(Command::Verify(args)) => verify::run(args),
+        Some(Command::Query(args)) => query::run(args),
+        None => build::run(args.build),
     }
 }
 
-fn query(tile: &std::path::Path, (latitude_deg, longitude_deg): (f64, f64), azimuths: usize, plot: bool) -> Outcome {
-    let (header, map) = store::read(tile)?;
-    let place = Place::on(&header, latitude_deg, longitude_deg)
-        .ok_or_else(|| format!("--at = {latitude_deg},{longitude_deg} lies outside {}", tile.display()))?;
-    println!("azimuth_deg,elevation_deg");
-    for i in 0..azimuths {
-        let azimuth_deg = 360.0 * i as f64 / azimuths as f64;
-        let elevation_deg = place.decoded_rad(&header, &map, azimuth_deg.to_radians()).to_degrees();
-        let bar = if plot {
-            " ".to_owned() + &"#".repeat((2.0 * elevation_deg + 20.0).clamp(0.0, 100.0) as usize)
-        } else {
-            String::new()
-        };
-        println!("{azimuth_deg:.3},{elevation_deg:.4}{bar}");
-    }
-    Ok(())
-}
-
-fn degrees(text: &str) -> Result<(f64, f64), String> {
-    let wrong = || format!("{text} is not LAT,LON in degrees");
-    let (latitude, longitude) = text.split_once(',').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(wrong);
-    Ok((number(latitude)?, number(longitude)?))
+/// A place in degrees, for messages.
+fn degrees(point: perilune::geometry::Geodetic) -> String {
+    format!("{:.6},{:.6}", point.latitude_rad.to_degrees(), point.longitude_east_rad.to_degrees())
 }

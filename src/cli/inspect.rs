@@ -10,14 +10,22 @@ use serde_json::Value as Json;
 use super::Outcome;
 
 /// Say what a file or a dataset holds: an OpenEXR or PNG image, a TIFF or horizon tile, a record, a manifest.
+///
+/// Of a dataset it also says which files are missing or not those that its manifest names.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A file, or the directory of a dataset.
+    /// A file, or the directory of a dataset
     file: PathBuf,
-    /// Print JSON.
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  sim inspect output/lunar_descent
+  sim inspect output/lunar_descent/exposure_0000.exr";
 
 pub fn run(args: Args) -> Outcome {
     let found = dataset::inspect(&args.file)?;

@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use perilune::ephemeris::{Kernel, Kind, default_span, make_default_kernels, parse_epoch, utc_text};
 use serde_json::json;
 
-use super::Outcome;
+use super::{Outcome, say};
 
 /// Make the default kernels and list what a kernel covers.
+///
+/// Kernels are SPICE's: files that say where bodies are (.bsp) and how they are turned and shaped (.bpc, .tpc).
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: sim kernels list kernels/perilune_2020_2040.bsp")]
 pub struct Args {
     #[command(subcommand)]
     command: Command,
@@ -18,13 +21,13 @@ pub struct Args {
 enum Command {
     /// Write the default kernels: Sun, Earth, Moon and Mars from analytic series, and their constants.
     Make {
-        /// First epoch (UTC unless it says otherwise).
+        /// First epoch, with its scale
         #[arg(long, default_value_t = utc_text(default_span().0))]
         from: String,
-        /// Last epoch.
+        /// Last epoch, with its scale
         #[arg(long, default_value_t = utc_text(default_span().1))]
         until: String,
-        /// Folder to write into.
+        /// Folder to write into
         #[arg(short, long, default_value = "kernels")]
         output: PathBuf,
     },
@@ -32,7 +35,7 @@ enum Command {
     List {
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// One JSON object a file.
+        /// One JSON object a file, one line a file
         #[arg(long)]
         json: bool,
     },
@@ -43,16 +46,21 @@ pub fn run(args: Args) -> Outcome {
         Command::Make { from, until, output } => {
             for path in make_default_kernels(&output, parse_epoch(&from)?, parse_epoch(&until)?)? {
                 let kernel = Kernel::open(&path)?;
-                println!("{}  {} bytes  sha256 {}", path.display(), std::fs::metadata(&path)?.len(), kernel.sha256);
+                say(format_args!(
+                    "{}  {} bytes  sha256 {}",
+                    path.display(),
+                    std::fs::metadata(&path)?.len(),
+                    kernel.sha256
+                ))?;
             }
         }
         Command::List { files, json } => {
             for path in files {
                 let kernel = Kernel::open(&path)?;
                 if json {
-                    println!("{}", as_json(&kernel));
+                    say(as_json(&kernel))?;
                 } else {
-                    println!("{}", kernel.describe().join("\n"));
+                    say(kernel.describe().join("\n"))?;
                 }
             }
         }

@@ -7,41 +7,55 @@ use perilune::pipeline::{self, AdapterChoice, Options, Report};
 use perilune::scenario;
 
 use super::bars::Bars;
-use super::{Outcome, about};
+use super::{Outcome, about, say};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
+///
+/// The images are OpenEXR files with a plane a quantity, each beside its preview and a record of poses, Sun and inputs.
+/// A run that was stopped goes on with `--resume`; the same scenario makes the same bytes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The scenario; a bare name is also looked for in `scenarios/`.
+    /// The scenario; a bare name is also looked for in `scenarios/`
     scenario: PathBuf,
-    /// Where the images go [default: output/NAME].
-    #[arg(long, short)]
+    /// Directory of the images [default: output/NAME]
+    #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Where synthetic terrain and horizon tiles are kept for the next run.
-    #[arg(long, default_value = "output/cache")]
+    /// Directory in which synthetic terrain and horizon tiles are kept for the next run
+    #[arg(long, value_name = "DIR", default_value = "output/cache")]
     cache: PathBuf,
-    /// A directory in which files are looked for, before `SIM_DATA`. Repeatable.
-    #[arg(long)]
+    /// Directory in which files are looked for, before `SIM_DATA`; may be given several times
+    #[arg(long, value_name = "DIR")]
     data: Vec<PathBuf>,
-    /// Render only exposures A to B−1, counted from 0, written A..B.
-    #[arg(long, value_parser = exposures)]
+    /// Render exposures A to B−1 only, counted from 0
+    #[arg(long, value_name = "A..B", value_parser = exposures)]
     frames: Option<Range<usize>>,
-    /// Keep the exposures that an interrupted run of the same scenario finished.
+    /// Keep the exposures that an interrupted run of the same scenario finished
     #[arg(long)]
     resume: bool,
-    /// Who renders: any adapter, a hardware one, or the f64 reference on the CPU.
+    /// Who renders
     #[arg(long, value_enum, default_value_t)]
     adapter: Adapter,
-    /// Print what was done as JSON.
+    /// Print what was done as JSON
     #[arg(long)]
     json: bool,
 }
 
+const EXAMPLES: &str = "\
+Examples:
+  sim run lunar_descent.ron                    all of it, into output/lunar_descent
+  sim run lunar_descent.ron --frames 0..1      a first look
+  sim run lunar_descent.ron --resume           what is missing
+  sim run mine.ron --data ~/dems -o mine       files from ~/dems";
+
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub enum Adapter {
+    /// Any adapter; the reference renderer where there is none
     #[default]
     Auto,
+    /// A hardware adapter or nothing
     Gpu,
+    /// The f64 reference renderer on the CPU
     Cpu,
 }
 
@@ -75,23 +89,24 @@ pub fn run(args: Args) -> Outcome {
     let report = pipeline::run(&scenario, &options, &bars)?;
     bars.clear();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        say(serde_json::to_string_pretty(&report)?)?;
     } else {
-        print(&report);
+        print(&report)?;
     }
     Ok(())
 }
 
-fn print(report: &Report) {
+fn print(report: &Report) -> Outcome {
     let Report { output, adapter, exposures, rendered, seconds, .. } = report;
-    println!("{exposures} exposures in {}, {rendered} of them rendered now", output.display());
-    println!("rendered by {adapter}");
-    println!(
+    say(format_args!("{exposures} exposures in {}, {rendered} of them rendered now", output.display()))?;
+    say(format_args!("rendered by {adapter}"))?;
+    say(format_args!(
         "terrain {:.1} s, horizons {:.1} s, rendering {:.1} s ({:.2} s an exposure), previews {:.1} s",
         seconds.terrain,
         seconds.horizons,
         seconds.rendering,
         seconds.rendering / (*rendered).max(1) as f64,
         seconds.writing_after
-    );
+    ))?;
+    Ok(())
 }

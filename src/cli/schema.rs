@@ -8,8 +8,9 @@ use super::Outcome;
 
 /// Print the scenario reference: every key with its type, range, unit, default and meaning.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: sim schema | less")]
 pub struct Args {
-    /// Print the JSON schema instead.
+    /// Print the JSON schema instead
     #[arg(long)]
     json: bool,
 }

@@ -11,39 +11,48 @@ use perilune::geometry::{BodyFixed, Geodetic, Position};
 use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
 
-use super::Outcome;
+use super::{Outcome, say};
 
 /// Where the Sun and the Earth stand in the sky of a place.
+///
+/// Apparent directions, without refraction: azimuth clockwise from north, elevation above the local horizontal.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Body the place lies on.
+    /// Body the place lies on
     #[arg(long, default_value = "moon")]
     body: String,
-    /// Place as LATITUDE,LONGITUDE in degrees (longitude east), optionally with ,HEIGHT in metres.
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_place)]
+    /// Place as LATITUDE,LONGITUDE in degrees (longitude east), optionally with ,HEIGHT in metres
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_place, value_name = "LAT,LON[,M]")]
     at: Geodetic,
-    /// Epoch, as 2026-09-08T00:00:00 (UTC unless TDB, TT or TAI stands after it).
+    /// Epoch with its scale, as 2026-09-08T00:00:00Z or "2026-09-08T00:00:00 TDB"
     #[arg(long)]
     epoch: String,
-    /// Last epoch of a series.
+    /// Last epoch of a series
     #[arg(long, requires = "step")]
     until: Option<String>,
-    /// Step of a series, as 30min, 1h or 12.5s.
+    /// Step of a series, as 30min, 1h or 12.5s
     #[arg(long, requires = "until", value_parser = parse_step)]
     step: Option<Duration>,
-    /// Kernel to load instead of the default ones; may be given several times.
-    #[arg(long = "kernel")]
+    /// Kernel to load instead of the default ones; may be given several times
+    #[arg(long = "kernel", value_name = "FILE")]
     kernels: Vec<PathBuf>,
-    /// Body-fixed frame, as MOON_ME_DE421; by default the best that the kernels have.
+    /// Body-fixed frame, as MOON_ME_DE421; by default the best that the kernels have
     #[arg(long)]
     frame: Option<String>,
-    /// Comma-separated values with a header.
+    /// Comma-separated values with a header
     #[arg(long, conflicts_with = "json")]
     csv: bool,
-    /// One JSON object a line, one line an epoch.
+    /// One JSON object a line, one line an epoch
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  sim sun --at -89.67,129.78 --epoch 2026-09-08T00:00:00Z
+  sim sun --at -89.67,129.78 --epoch 2026-09-08Z --until 2026-10-08Z --step 1h --csv
+  sim sun --body mars --at -4.59,137.44 --epoch 2026-09-08Z";
 
 /// One line of output.
 struct Row {
@@ -67,18 +76,18 @@ pub fn run(args: Args) -> Outcome {
         .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
         .collect::<Result<_, _>>()?;
     if args.csv {
-        println!("{}", COLUMNS.join(","));
+        say(COLUMNS.join(","))?;
     } else if !args.json {
-        println!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at));
-        println!("{}", table_header());
+        say(format_args!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at)))?;
+        say(table_header())?;
     }
     for row in rows {
         if args.json {
-            println!("{}", row.as_json(&frame));
+            say(row.as_json(&frame))?;
         } else if args.csv {
-            println!("{}", row.as_csv());
+            say(row.as_csv())?;
         } else {
-            println!("{}", row.as_table_line());
+            say(row.as_table_line())?;
         }
     }
     Ok(())

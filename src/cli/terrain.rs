@@ -10,26 +10,33 @@ use perilune::geometry::{Body, Geodetic};
 use perilune::raster;
 use perilune::terrain::synthetic::{self, Parameters};
 
-use super::Outcome;
+use super::{Outcome, place, say};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
+///
+/// Craters follow published size and depth statistics; the same seed makes the same bytes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example: sim terrain -o highland.tif --columns 2048 --rows 2048 --posting 15 --at -89.5,222")]
 pub struct Args {
     /// GeoTIFF to write; the craters go to the same name with .craters.csv
     #[arg(short, long, value_name = "FILE.tif")]
     output: PathBuf,
-    #[arg(long, default_value_t = 1024)]
+    /// Pixels from west to east
+    #[arg(long, value_name = "N", default_value_t = 1024)]
     columns: usize,
-    #[arg(long, default_value_t = 1024)]
+    /// Pixels from north to south
+    #[arg(long, value_name = "N", default_value_t = 1024)]
     rows: usize,
     /// Distance of pixels, in metres
     #[arg(long, value_name = "M", default_value_t = 20.0)]
     posting: f64,
-    #[arg(long, default_value_t = 1)]
+    /// Seed of craters and relief
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Latitude and east longitude of the middle, in degrees
     #[arg(long, value_name = "LAT,LON", default_value = "-89,0", value_parser = place, allow_hyphen_values = true)]
     at: Geodetic,
+    /// Map projection of the file
     #[arg(long, value_enum, default_value_t = Projection::Gnomonic)]
     projection: Projection,
     /// Diameter of the largest crater, in metres [default: a quarter of the map, at most 12 km]
@@ -47,7 +54,7 @@ pub struct Args {
     /// Height of the massif, in metres [default: a twentieth of the map, at most 1500 m]
     #[arg(long, value_name = "M")]
     relief: Option<f64>,
-    /// RMS slope of the fractal on pixels of 20 m
+    /// RMS slope of the fractal on pixels of 20 m [default: 0.035]
     #[arg(long)]
     roughness: Option<f64>,
     /// Print what was written as JSON
@@ -71,17 +78,6 @@ impl From<Projection> for synthetic::Projection {
             Projection::Equirectangular => Self::Equirectangular,
             Projection::Orthographic => Self::Orthographic,
         }
-    }
-}
-
-/// `LAT,LON` in degrees.
-fn place(text: &str) -> Result<Geodetic, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
-    match numbers[..] {
-        [latitude_deg, longitude_deg] if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 => {
-            Ok(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0))
-        }
-        _ => Err("want a latitude in [-90, 90] and a longitude in [-360, 360], as in -89.5,120".into()),
     }
 }
 
@@ -109,10 +105,10 @@ pub fn run(args: Args) -> Outcome {
             "lowest_m": lowest_m, "highest_m": highest_m,
             "crs": terrain.crs, "seed": parameters.seed,
         });
-        println!("{}", serde_json::to_string_pretty(&written)?);
+        say(serde_json::to_string_pretty(&written)?)?;
     } else {
-        println!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display());
-        println!("{}: {} craters", table.display(), terrain.craters.len());
+        say(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
+        say(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
     }
     Ok(())
 }

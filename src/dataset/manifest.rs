@@ -68,7 +68,7 @@ pub struct ManifestEntry {
     pub files: Vec<FileRecord>,
 }
 
-/// The commit the program was built from: `PERILUNE_COMMIT` at build time.
+/// The commit the program was built from (`build.rs`); `None` outside git.
 pub fn commit() -> Option<String> {
     option_env!("PERILUNE_COMMIT").map(String::from)
 }

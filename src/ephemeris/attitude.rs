@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     fn epoch() -> Epoch {
-        crate::ephemeris::parse_epoch("2026-09-08T00:00:00").unwrap()
+        crate::ephemeris::parse_epoch("2026-09-08T00:00:00Z").unwrap()
     }
 
     /// Above (0, 0), moving east.

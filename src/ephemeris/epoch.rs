@@ -8,14 +8,16 @@ use hifitime::{Duration, Epoch, TimeScale, Unit};
 
 use super::EphemerisError;
 
-/// Reads a date of the calendar or of the year (`2026-251T…`), in UTC where no scale stands after it.
+/// Reads a date of the calendar or of the year (`2026-251T…`) with its scale, as `2026-09-08T00:00:00 UTC`,
+/// `2026-09-08T00:00:00Z` or `2026-09-08T00:00:00.5 TDB`. Without a scale there is no epoch: UTC and TDB are 69 s apart.
 pub fn parse_epoch(text: &str) -> Result<Epoch, EphemerisError> {
-    parse_in_scale(text, TimeScale::UTC).map_err(|problem| EphemerisError::Epoch { text: text.to_owned(), problem })
+    let (date_time, scale) = split_scale(text.trim());
+    let problem = |problem| EphemerisError::Epoch { text: text.to_owned(), problem };
+    parse_in_scale(date_time, scale.ok_or(problem("the time scale is missing or unknown"))?).map_err(problem)
 }
 
-/// As [`parse_epoch`], with the scale to assume where none is written.
-pub(super) fn parse_in_scale(text: &str, default_scale: TimeScale) -> Result<Epoch, &'static str> {
-    let (date_time, scale) = split_scale(text.trim(), default_scale)?;
+/// Reads a date and time in a scale that stands elsewhere.
+pub(super) fn parse_in_scale(date_time: &str, scale: TimeScale) -> Result<Epoch, &'static str> {
     let (date, time) = date_time.split_once(['T', ' ']).unwrap_or((date_time, "00:00:00"));
     let (year, month, day) = parse_date(date)?;
     let (hour, minute, second, nanos) = parse_time(time)?;
@@ -25,25 +27,18 @@ pub(super) fn parse_in_scale(text: &str, default_scale: TimeScale) -> Result<Epo
     Ok(if second == 60 { epoch + 1.0 * Unit::Second } else { epoch })
 }
 
-fn split_scale(text: &str, default_scale: TimeScale) -> Result<(&str, TimeScale), &'static str> {
-    if let Some(date_time) = text.strip_suffix(['Z', 'z']) {
-        return Ok((date_time, TimeScale::UTC));
-    }
+/// The text before a scale, and the scale.
+fn split_scale(text: &str) -> (&str, Option<TimeScale>) {
     let scales = [
+        ("Z", TimeScale::UTC),
         (" UTC", TimeScale::UTC),
         (" TDB", TimeScale::TDB),
         (" ET", TimeScale::ET),
         (" TT", TimeScale::TT),
         (" TAI", TimeScale::TAI),
     ];
-    if let Some((suffix, scale)) = scales.into_iter().find(|(suffix, _)| text.ends_with(suffix)) {
-        return Ok((text[..text.len() - suffix.len()].trim_end(), scale));
-    }
-    if text.ends_with(|c: char| c.is_alphabetic()) {
-        Err("the time scale is unknown")
-    } else {
-        Ok((text, default_scale))
-    }
+    let cut = |(suffix, scale)| Some((text.strip_suffix(suffix)?.trim_end(), Some(scale)));
+    scales.into_iter().find_map(cut).unwrap_or((text, None))
 }
 
 fn parse_date(date: &str) -> Result<(i32, u8, u8), &'static str> {
@@ -129,9 +124,9 @@ mod tests {
     /// Hard case 37. The pair of UTC and TDB is from the calendar: TAI - UTC was 31 s, TT - TAI is 32.184 s.
     #[test]
     fn a_leap_second_is_an_instant_of_its_own() {
-        let before = parse_epoch("1998-12-31T23:59:59").unwrap();
-        let leap = parse_epoch("1998-12-31T23:59:60").unwrap();
-        let after = parse_epoch("1999-01-01T00:00:00").unwrap();
+        let before = parse_epoch("1998-12-31T23:59:59Z").unwrap();
+        let leap = parse_epoch("1998-12-31T23:59:60Z").unwrap();
+        let after = parse_epoch("1999-01-01T00:00:00Z").unwrap();
         assert_eq!((leap - before).to_seconds(), 1.0);
         assert_eq!((after - leap).to_seconds(), 1.0);
         assert_eq!((after - before).to_seconds(), 2.0);
@@ -156,9 +151,9 @@ mod tests {
     #[test]
     fn a_day_of_the_year_is_a_date() {
         let pairs = [
-            ("2024-060T12:00:00", "2024-02-29T12:00:00"),
-            ("2025-365", "2025-12-31"),
-            ("2000-001T00:00", "2000-01-01"),
+            ("2024-060T12:00:00Z", "2024-02-29T12:00:00 UTC"),
+            ("2025-365Z", "2025-12-31Z"),
+            ("2000-001T00:00Z", "2000-01-01Z"),
         ];
         for (ordinal, calendar) in pairs {
             assert_eq!(parse_epoch(ordinal).unwrap(), parse_epoch(calendar).unwrap());
@@ -169,22 +164,31 @@ mod tests {
     fn what_is_no_epoch_is_refused() {
         for text in [
             "",
-            "now",
-            "2026",
-            "2026-13-01",
-            "2026-02-30",
-            "2025-366",
-            "2026-01-01T25:00:00",
-            "2026-01-01T00:00:60",
-            "2026-01-01T0:00:00",
+            "nowZ",
+            "2026Z",
+            "2026-13-01Z",
+            "2026-02-30Z",
+            "2025-366Z",
+            "2026-01-01T25:00:00Z",
+            "2026-01-01T00:00:60Z",
+            "2026-01-01T0:00:00Z",
             "2026-01-01T00:00:00 XYZ",
-            "2026-1-1-1",
-            "2026-01-01T12:30.5",
-            "+026-01-01",
-            "1998-12-31T23:59:61",
-            "2026-001-01",
+            "2026-1-1-1Z",
+            "2026-01-01T12:30.5Z",
+            "+026-01-01Z",
+            "1998-12-31T23:59:61Z",
+            "2026-001-01Z",
         ] {
             assert!(parse_epoch(text).is_err(), "{text}");
+        }
+    }
+
+    /// A scale that is not written is not guessed.
+    #[test]
+    fn an_epoch_without_its_scale_is_refused() {
+        for text in ["2026-01-01T00:00:00", "2026-01-01", "2026-01-01T00:00:00 GPS", "2026-01-01T00:00:00UTC"] {
+            let said = parse_epoch(text).unwrap_err().to_string();
+            assert!(said.contains("the time scale is missing or unknown"), "{said}");
         }
     }
 }

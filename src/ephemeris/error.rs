@@ -37,7 +37,7 @@ pub enum EphemerisError {
     FrameNotAvailable { frame: String, needed: String, loaded: String },
     #[error("no loaded kernel has the {constant} of {body}; loaded are {loaded}")]
     NoConstant { body: String, constant: &'static str, loaded: String },
-    #[error("epoch `{text}`: {problem}; write it as 2026-09-08T00:00:00 with UTC (default), TDB, TT or TAI after it")]
+    #[error("epoch `{text}`: {problem}; write it as 2026-09-08T00:00:00Z, or with UTC, TDB, TT or TAI after it")]
     Epoch { text: String, problem: &'static str },
     #[error("{what} at {epoch_utc} cannot be computed")]
     Position { what: String, epoch_utc: String, source: Box<AniseEphemerisError> },

@@ -1,1 +1,5 @@
-//! To come.
+//! How right the program is.
+
+pub mod tile;
+
+pub use tile::{Verification, verify};

@@ -2,7 +2,7 @@
 //!
 //! Azimuths are swept in blocks, one a thread, first those along the rows' axis, then those along the columns', so
 //! that one orientation of the heights is in memory at a time. Each plane is added to the coefficients and dropped.
-//! Every [`CHECKPOINT_EVERY`] the sums are saved beside the tile: an interrupted build goes on from there, to the same
+//! Every `CHECKPOINT_EVERY` the sums are saved beside the tile: an interrupted build goes on from there, to the same
 //! bytes.
 
 use std::fs;
@@ -26,7 +26,7 @@ use crate::terrain::Face;
 /// How much work a kill may cost.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(20);
 /// Pixels on which a tile measures its own error.
-const MEASURED_PIXELS: usize = 64;
+pub const MEASURED_PIXELS: usize = 64;
 
 /// Told how many of how many azimuths are done.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;

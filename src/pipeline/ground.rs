@@ -2,22 +2,22 @@
 
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
-use crate::horizon::{self, HorizonMap};
+use crate::horizon::store::{self, Key};
+use crate::horizon::{self, Encoding, HorizonMap};
 use crate::raster::{self, Dem};
-use crate::scenario::{self, Scenario};
+use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Parameters, Synthetic};
 use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
 const CUBE_MARGIN_M: f64 = 300_000.0;
-
-/// The one encoding that scenarios know.
-const ENCODING: horizon::Encoding = horizon::Encoding::Fm16;
 
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
@@ -31,20 +31,23 @@ pub struct Ground {
 }
 
 /// Opens (or makes) the DEMs and lifts them onto levels.
-pub fn surface(scenario: &Scenario, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Ground, Error> {
-    let Some(terrain) = &scenario.terrain else {
+pub fn surface(
+    terrain: Option<&scenario::Terrain>,
+    body: &Body,
+    cache: &Path,
+    progress: &dyn Progress,
+) -> Result<Ground, Error> {
+    let Some(terrain) = terrain else {
         let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
     };
-    let paths = paths(body, &terrain.dems, cache, progress)?;
-    let centre = match terrain.centre {
-        Some(centre) => centre,
-        None => Dem::middle(&paths[0])?,
-    };
+    let paths = paths(body, &terrain.dems, cache);
+    make_synthetic(body, &terrain.dems, &paths, progress)?;
+    let centre = centre(terrain, &paths)?;
     let mut dems = Vec::new();
     for (written, path) in terrain.dems.iter().zip(&paths) {
-        dems.push(open(written, path, body, centre, progress)?);
+        dems.push(open(written, path, body, Some(centre), progress)?);
     }
     let mut inputs = Vec::new();
     for dem in &dems {
@@ -85,22 +88,37 @@ fn own_posting_m(dem: &Dem) -> f64 {
     dem.georeference.pixel_size() * dem.georeference.metres_per_unit()
 }
 
-/// The models' files; those of synthetic models are made first.
-fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path, progress: &dyn Progress) -> Result<Vec<PathBuf>, Error> {
-    let mut made = synthetic_files(body, dems, cache, progress)?.into_iter();
-    let path = |dem: &scenario::Dem| match dem {
+/// The models' files, whether they are there or not. The name of a synthetic one holds all that shapes it: its
+/// model's parameters and those of all coarser ones, which it continues.
+pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> {
+    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
+    let mut path = |dem: &scenario::Dem| match dem {
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
-        scenario::Dem::Synthetic { .. } => made.next().expect("one file a synthetic model"),
+        scenario::Dem::Synthetic { .. } => {
+            shape += &format!(" {:?}", synthetic_parameters(dem));
+            let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+            cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
+        }
     };
-    Ok(dems.iter().map(path).collect())
+    let mut paths: Vec<PathBuf> = dems.iter().rev().map(&mut path).collect();
+    paths.reverse();
+    paths
 }
 
-/// Reads a model, or the part of it that its extent needs.
-fn open(
+/// Where the terrain is centred: as asked for, or on the middle of the finest model.
+pub fn centre(terrain: &scenario::Terrain, paths: &[PathBuf]) -> Result<Geodetic, Error> {
+    match terrain.centre {
+        Some(centre) => Ok(centre),
+        None => Ok(Dem::middle(&paths[0])?),
+    }
+}
+
+/// Reads a model, or the part of it that its extent about the centre needs; all of it where there is no centre.
+pub fn open(
     written: &scenario::Dem,
     path: &Path,
     body: &Body,
-    centre: Geodetic,
+    centre: Option<Geodetic>,
     progress: &dyn Progress,
 ) -> Result<Dem, Error> {
     let (values, posting_m, extent_m) = match *written {
@@ -115,47 +133,40 @@ fn open(
         scenario::Values::Radius => raster::Values::Radius,
     };
     // The map may be turned: the square's corners can lie in any direction.
-    let around = extent_m.map(|extent_m| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });
+    let around =
+        centre.zip(extent_m).map(|(centre, extent_m)| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });
     Ok(Dem::open(path, body, &raster::Options { values, posting_m, around, ..Default::default() })?)
 }
 
-/// The synthetic models' files, finest first, made where they are not there yet. A name holds all that shapes the
-/// file: its model's parameters and those of all coarser ones, which it continues.
-fn synthetic_files(
+fn synthetic_parameters(written: &scenario::Dem) -> Option<Parameters> {
+    let &scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } = written else { return None };
+    Some(Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) })
+}
+
+/// Makes the synthetic models, coarsest first, unless all are there.
+fn make_synthetic(
     body: &Body,
     dems: &[scenario::Dem],
-    cache: &Path,
+    paths: &[PathBuf],
     progress: &dyn Progress,
-) -> Result<Vec<PathBuf>, Error> {
-    let parameters = |dem: &scenario::Dem| match *dem {
-        scenario::Dem::Synthetic { columns, rows, posting_m, centre, seed } => {
-            Some(Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) })
-        }
-        _ => None,
-    };
-    let coarsest_first: Vec<Parameters> = dems.iter().rev().filter_map(parameters).collect();
-    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
-    let mut files = Vec::new();
-    for parameters in &coarsest_first {
-        shape += &format!(" {parameters:?}");
-        let key = crate::ephemeris::sha256_hex(shape.as_bytes());
-        files.push(cache.join("terrain").join(format!("highland-{}.tif", &key[..16])));
+) -> Result<(), Error> {
+    let wanted = dems.iter().zip(paths).rev();
+    let wanted: Vec<_> = wanted.filter_map(|(dem, path)| Some((synthetic_parameters(dem)?, path))).collect();
+    if wanted.iter().all(|(_, path)| path.is_file()) {
+        return Ok(());
     }
-    if !files.iter().all(|path| path.is_file()) {
-        let mut coarse = None;
-        for (parameters, path) in coarsest_first.iter().zip(&files) {
-            progress.begin("making terrain", 0, "craters");
-            let heard = |done: usize, total: usize| progress.at(done, total);
-            let terrain = match &coarse {
-                Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
-                None => synthetic::generate(body, parameters, &heard)?,
-            };
-            keep(&terrain, path)?;
-            coarse = Some(terrain);
-        }
+    let mut coarse = None;
+    for (parameters, path) in &wanted {
+        progress.begin("making terrain", 0, "craters");
+        let heard = |done: usize, total: usize| progress.at(done, total);
+        let terrain = match &coarse {
+            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
+            None => synthetic::generate(body, parameters, &heard)?,
+        };
+        keep(&terrain, path)?;
+        coarse = Some(terrain);
     }
-    files.reverse();
-    Ok(files)
+    Ok(())
 }
 
 /// Writes a synthetic terrain and its craters.
@@ -168,33 +179,48 @@ fn keep(terrain: &Synthetic, path: &Path) -> Result<(), Error> {
     Ok(terrain.write(path)?)
 }
 
-/// Horizon maps of all levels, by face, from tiles that are built where they are not there yet.
-pub fn horizons(
+/// A horizon tile that is ready.
+#[derive(Debug)]
+pub struct Tile<'a> {
+    pub face: usize,
+    pub level: usize,
+    pub path: PathBuf,
+    pub map: &'a HorizonMap,
+    /// What building took; `None` where the tile was there.
+    pub built_s: Option<f64>,
+}
+
+/// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
+/// is told to `finished`.
+pub fn horizons<E: From<Error>>(
     surface: &Surface,
     settings: &horizon::Settings,
-    cache: &Path,
+    encoding: Encoding,
+    folder: &Path,
     progress: &dyn Progress,
-) -> Result<Vec<Vec<HorizonMap>>, Error> {
-    let folder = cache.join("horizon");
+    mut finished: impl FnMut(&Tile) -> Result<(), E>,
+) -> Result<Vec<Vec<HorizonMap>>, E> {
     let faces = &surface.terrain.faces;
     let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
     let mut tile = 0;
     let mut maps = Vec::new();
-    for face in faces {
+    for (index, face) in faces.iter().enumerate() {
         let mut levels = Vec::new();
         for level in 0..face.levels.len() {
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
-            let heard = |done: usize, total: usize| progress.at(done, total);
-            levels.push(horizon::open_or_build(
-                &surface.terrain.body,
-                face,
-                level,
-                settings,
-                ENCODING,
-                &folder,
-                &heard,
-            )?);
+            let (start, built) = (Instant::now(), AtomicBool::new(false));
+            let heard = |done: usize, total: usize| {
+                built.store(true, Ordering::Relaxed);
+                progress.at(done, total);
+            };
+            let body = &surface.terrain.body;
+            let map =
+                horizon::open_or_build(body, face, level, settings, encoding, folder, &heard).map_err(Error::from)?;
+            let path = store::path_for(folder, &Key::of(body, face, level, settings, encoding));
+            let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
+            finished(&Tile { face: index, level, path, map: &map, built_s })?;
+            levels.push(map);
         }
         maps.push(levels);
     }

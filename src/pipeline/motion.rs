@@ -27,23 +27,33 @@ pub fn exposures(
     surface: &Surface,
     centre: Geodetic,
 ) -> Result<Vec<Exposure>, Error> {
+    outcomes(scenario, almanac, frame, surface, centre)?.into_iter().collect()
+}
+
+/// As [`exposures`], each with what stands against it.
+pub fn outcomes(
+    scenario: &Scenario,
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<Vec<Result<Exposure, Error>>, Error> {
     let trajectory = trajectory(scenario, almanac, frame, surface)?;
     let pointing = pointing(scenario, frame, surface)?;
-    let mut exposures = Vec::new();
-    for (index, &epoch) in scenario.exposures.iter().enumerate() {
+    let reference = frame.body.position_from_geodetic(centre);
+    let exposure = |(index, &epoch): (usize, &Epoch)| {
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
         check_clearance(surface, index, epoch, position)?;
         let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
         let sun = sun(scenario, almanac, frame, centre, epoch)?;
-        let reference = frame.body.position_from_geodetic(centre);
         let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
         if let Some(albedo) = scenario.earthshine_albedo {
             lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
         }
         let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
-        exposures.push(Exposure { epoch, sun, view });
-    }
-    Ok(exposures)
+        Ok(Exposure { epoch, sun, view })
+    };
+    Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
 }
 
 /// A source seen from `reference`, at its apparent place.

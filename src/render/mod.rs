@@ -1,6 +1,6 @@
 //! Radiance seen by a camera.
 //!
-//! [`Scene`] and [`View`] are all that a renderer reads. [`reference`] renders them in f64, one ray at a time,
+//! [`Scene`] and [`View`] are all that a renderer reads. [`mod@reference`] renders them in f64, one ray at a time,
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
 //! [`planes`] makes the image.
 

@@ -76,6 +76,15 @@ struct Band {
     rays: Buffer,
 }
 
+/// What the device made of a view.
+#[derive(Debug)]
+struct Dispatched {
+    pixels: Vec<PixelOut>,
+    /// Empty where no plane needs them.
+    centres: Vec<CentreOut>,
+    seconds: Option<f64>,
+}
+
 impl<'a> Passes<'a> {
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, prepared: None, device_time: None }
@@ -96,7 +105,7 @@ impl Renderer for Passes<'_> {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
         let prepared = self.prepared.as_ref().expect("prepared above");
-        let (pixels, centres, seconds) = prepared.dispatch(self.gpu, scene, view)?;
+        let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, view)?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
@@ -161,12 +170,7 @@ impl Prepared {
         })
     }
 
-    fn dispatch(
-        &self,
-        gpu: &Gpu,
-        scene: &Scene,
-        view: &View,
-    ) -> Result<(Vec<PixelOut>, Vec<CentreOut>, Option<f64>), RenderError> {
+    fn dispatch(&self, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Dispatched, RenderError> {
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
@@ -210,7 +214,7 @@ impl Prepared {
                 centres.extend(gpu.read::<CentreOut>(&centres_out)?);
             }
         }
-        Ok((pixels, centres, seconds))
+        Ok(Dispatched { pixels, centres, seconds })
     }
 
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
@@ -417,7 +421,7 @@ fn pages(gpu: &Gpu, texels: &[[u32; 4]], page_bits: u32) -> [Buffer; PAGES] {
 
 fn checked<T: bytemuck::Pod>(gpu: &Gpu, what: &'static str, values: &[T]) -> Result<Buffer, RenderError> {
     let needed = size_of_val(values) as u64;
-    let allowed = u64::from(gpu.device.limits().max_storage_buffer_binding_size);
+    let allowed = gpu.device.limits().max_storage_buffer_binding_size;
     if needed > allowed {
         return Err(RenderError::BufferTooLarge { what, needed_mib: needed >> 20, allowed_mib: allowed >> 20 });
     }

@@ -1,7 +1,7 @@
 //! What the user wrote, and what it means.
 //!
 //! A scenario is one RON file. [`Spec`] holds it exactly as written: degrees, millimetres, file names.
-//! [`resolve`] turns it into a [`Scenario`]: SI and radians, instants with their scale, files found. All
+//! [`resolve()`] turns it into a [`Scenario`]: SI and radians, instants with their scale, files found. All
 //! problems of a file are reported together, each with line, column, key, what was got and what is allowed.
 //!
 //! ```text
@@ -13,7 +13,6 @@
 //! check (`structure.rs`) and to the printed reference (`reference.rs`).
 
 mod camera;
-mod epoch;
 mod error;
 mod files;
 mod motion;

@@ -1,7 +1,7 @@
 //! Resolves exposures, trajectory and pointing.
 
 use glam::{DQuat, DVec3};
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Epoch, Unit};
 
 use super::resolve::Check;
 use super::resolved::{Elements, Pointing, Towards, Trajectory, Waypoint};
@@ -38,11 +38,11 @@ fn listed(texts: &[String], check: &mut Check) -> Vec<Epoch> {
     epochs
 }
 
-/// `seconds` of physical time after `start`, in its scale; leap seconds count. What is not finite is reported already
+/// `seconds` of physical time after `start`; leap seconds count. What is not finite is reported already
 /// and must not stop the check here.
 fn after(start: Epoch, seconds: f64) -> Epoch {
     let seconds = if seconds.is_finite() { seconds } else { 0.0 };
-    (start.to_time_scale(TimeScale::TAI) + seconds * Unit::Second).to_time_scale(start.time_scale)
+    start + seconds * Unit::Second
 }
 
 pub fn trajectory(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Trajectory {

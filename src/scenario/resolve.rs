@@ -119,7 +119,7 @@ impl Check<'_> {
     }
 
     pub fn epoch(&mut self, key: &str, text: &str) -> Option<hifitime::Epoch> {
-        let epoch = super::epoch::parse(text);
+        let epoch = crate::ephemeris::parse_epoch(text).ok();
         if epoch.is_none() {
             self.report(key, Fault::NotAnEpoch { got: text.into() });
         }

@@ -97,8 +97,8 @@ const STRUCTURE: &[Case] = &[
         "[radiance, depth]",
         "[radiance, dept]",
         "12:34: outputs.planes[1] = dept is not one of radiance, ground_irradiance, radiance_factor, \
-         focal_plane_irradiance, sun_fraction, hit, dem_gap, depth, range, normal, latitude, longitude, height, \
-         incidence, emission, phase, ground_sample_distance; did you mean depth?",
+         focal_plane_irradiance, digital_number, noise_free_digital_number, sun_fraction, hit, dem_gap, depth, range, \
+         normal, latitude, longitude, height, incidence, emission, phase, ground_sample_distance; did you mean depth?",
     ),
     Case(
         "variant without its content",

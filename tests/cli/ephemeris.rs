@@ -27,7 +27,7 @@ fn failure(arguments: &[&str]) -> String {
 
 #[test]
 fn sun_prints_one_json_object_an_epoch() {
-    let series = ["--epoch", "2026-09-08", "--until", "2026-09-08T06:00:00", "--step", "2h", "--json"];
+    let series = ["--epoch", "2026-09-08Z", "--until", "2026-09-08T06:00:00Z", "--step", "2h", "--json"];
     let text = printed(&[&["sun", "--at", "-89.67,129.78"], &series[..]].concat());
     assert_eq!(text.lines().count(), 4);
     let first: serde_json::Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
@@ -64,10 +64,10 @@ fn sun_prints_tables_and_csv() {
 fn mistakes_are_told_in_one_line() {
     let at = |extra: &[&str]| failure(&[&["sun", "--at", "0,0"], extra].concat());
     assert!(at(&["--epoch", "tomorrow"]).contains("epoch `tomorrow`"));
-    assert!(at(&["--epoch", "2019-01-01"]).contains("outside the loaded coverage: 2019-12-31T00:00:00Z to"));
-    assert!(at(&["--epoch", "2026-01-01", "--body", "vulcan"]).contains("body `vulcan` is unknown"));
-    assert!(at(&["--epoch", "2026-01-01", "--kernel", "de440s.bsp"]).contains("get it from NASA/JPL NAIF"));
-    let backwards = ["--epoch", "2026-01-02", "--until", "2026-01-01", "--step", "1h"];
+    assert!(at(&["--epoch", "2019-01-01Z"]).contains("outside the loaded coverage: 2019-12-31T00:00:00Z to"));
+    assert!(at(&["--epoch", "2026-01-01Z", "--body", "vulcan"]).contains("body `vulcan` is unknown"));
+    assert!(at(&["--epoch", "2026-01-01Z", "--kernel", "de440s.bsp"]).contains("get it from NASA/JPL NAIF"));
+    let backwards = ["--epoch", "2026-01-02Z", "--until", "2026-01-01Z", "--step", "1h"];
     assert!(at(&backwards).contains("gives -24 steps"));
 }
 
@@ -75,13 +75,13 @@ fn mistakes_are_told_in_one_line() {
 fn kernels_makes_and_lists() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().to_str().unwrap();
-    let made = printed(&["kernels", "make", "--from", "2030-01-01", "--until", "2030-01-08", "-o", output]);
+    let made = printed(&["kernels", "make", "--from", "2030-01-01Z", "--until", "2030-01-08Z", "-o", output]);
     assert_eq!(made.lines().count(), 2, "{made}");
     let path = folder.path().join("perilune_2020_2040.bsp");
     let listed = printed(&["kernels", "list", "--json", path.to_str().unwrap()]);
     let listed: serde_json::Value = serde_json::from_str(&listed).unwrap();
     assert_eq!(listed["segments"].as_array().unwrap().len(), 5);
     assert_eq!(listed["segments"][3]["target_id"], 301);
-    let late = failure(&["kernels", "make", "--from", "2200-01-01", "--until", "2201-01-01", "-o", output]);
+    let late = failure(&["kernels", "make", "--from", "2200-01-01Z", "--until", "2201-01-01Z", "-o", output]);
     assert!(late.contains("1900 to 2100"), "{late}");
 }

@@ -2,6 +2,9 @@
 
 mod bad_input;
 mod ephemeris;
+mod horizon;
 mod inspect;
+mod run;
+mod run_input;
 mod scenario;
 mod terrain;

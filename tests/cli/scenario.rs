@@ -29,8 +29,11 @@ fn every_shipped_scenario_is_without_a_problem() {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).expect("scenarios/") {
         let name = entry.expect("an entry").file_name().into_string().expect("a plain name");
-        shipped(&name);
-        names.push(name);
+        // A picture may lie beside its scenario.
+        if name.ends_with(".ron") {
+            shipped(&name);
+            names.push(name);
+        }
     }
     for name in ["lunar_descent.ron", "connecting_ridge.ron", "orbit_pass.ron", "full_disc.ron", "mars_gale.ron"] {
         assert!(names.iter().any(|found| found == name), "{name} does not ship");

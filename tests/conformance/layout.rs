@@ -2,7 +2,10 @@
 
 use std::mem::offset_of;
 
-use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters};
+use perilune::horizon::SERIES_WGSL;
+use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
+use perilune::render::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
+use perilune::render::passes::SHADER;
 
 /// Name and offset of every member of a WGSL struct, and its size.
 fn layout(source: &str, name: &str) -> (Vec<(String, usize)>, usize) {
@@ -33,6 +36,34 @@ fn reflectance_parameters() -> (Vec<(String, usize)>, usize) {
 #[test]
 fn reflectance_parameters_lie_as_the_shader_reads_them() {
     assert_eq!(layout(REFLECTANCE_WGSL, "ReflectanceParameters"), reflectance_parameters());
+}
+
+#[test]
+fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
+    let source = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
+    let hosts = [
+        (
+            "ViewParameters",
+            host!(ViewParameters: from_camera_x from_camera_y from_camera_z scaled_camera radii_m camera_m pixels
+                padding),
+        ),
+        (
+            "MapFace",
+            host!(MapFace: from_camera_x from_camera_y from_camera_z camera_m quotient bounds_m first_level levels
+                direct open_edge),
+        ),
+        (
+            "MapLevel",
+            host!(MapLevel: base camera south_west_m posting_m columns rows mips heights_offset maxima_offset horizon
+                face has_horizon horizon_halving padding),
+        ),
+        ("LightParameters", host!(LightParameters: direction radius_rad irradiance_w_m2 padding)),
+        ("Pixel", host!(PixelOut: radiance irradiance fraction hit)),
+        ("Centre", host!(CentreOut: ground level cell padding fraction distance_m padding_2)),
+    ];
+    for (name, host) in hosts {
+        assert_eq!(layout(&source, name), host, "{name}");
+    }
 }
 
 #[test]

@@ -3,9 +3,11 @@
 //! A [`Comparison`] calls one WGSL function on many inputs and holds what it returns against `f64`. Without an
 //! adapter these tests are skipped with the reason; `SIM_REQUIRE=gpu` turns that into a failure.
 
+mod horizon;
 mod layout;
 mod photometry;
 mod render;
+pub mod scenarios;
 
 use std::sync::OnceLock;
 
@@ -39,31 +41,34 @@ pub struct Comparison {
     pub relative: f64,
 }
 
-/// A shader with all its functions: source, `override` values, and a table bound as `disk_tables`.
+/// A shader with all its functions: source, `override` values, and a table that they read.
 pub struct Shader {
     pub source: String,
     pub constants: Vec<(&'static str, f64)>,
-    pub table: Vec<f32>,
+    /// The table's declaration, as in `disk_tables: array<f32>`, and its words.
+    pub declared: &'static str,
+    pub table: Vec<u32>,
 }
 
 impl Comparison {
     /// What the function returns on the device, one row per input.
     pub fn run(&self, gpu: &Gpu, shader: &Shader) -> Vec<Vec<f32>> {
         let (given, made) = (self.inputs[0].len(), (self.reference)(&self.input(0)).len());
+        let table = shader.declared.split(':').next().unwrap_or_default();
         let source = format!(
             "{}
-            @group(0) @binding(0) var<storage, read> disk_tables: array<f32>;
+            @group(0) @binding(0) var<storage, read> {};
             @group(0) @binding(1) var<storage, read> given: array<array<f32, {given}>>;
             @group(0) @binding(2) var<storage, read_write> made: array<array<f32, {made}>>;
             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
                 if id.x >= arrayLength(&given) {{ return; }}
                 let x = given[id.x];
                 var y: array<f32, {made}>;
-                y[0] = disk_tables[0];
+                y[0] = f32(arrayLength(&{table}));
                 {}
                 made[id.x] = y;
             }}",
-            shader.source, self.call
+            shader.source, shader.declared, self.call
         );
         let pipeline = gpu.compute(self.function, &source, "main", &shader.constants).unwrap();
         let table = gpu.storage("table", &shader.table);

@@ -22,7 +22,8 @@ fn source() -> String {
 
 fn shader(alpha: f64, law: &Reflectance) -> Shader {
     let constants = SolarDisk::constants().into_iter().chain([law.constant()]).collect();
-    Shader { source: source(), constants, table: disk(alpha).tables() }
+    let table = disk(alpha).tables().into_iter().map(f32::to_bits).collect();
+    Shader { source: source(), constants, declared: "disk_tables: array<f32>", table }
 }
 
 /// A law's parameters as WGSL.
@@ -70,7 +71,7 @@ fn disk_inputs() -> Vec<Vec<f32>> {
 
 fn disk_light(disk: &SolarDisk, x: &[f64]) -> Vec<f64> {
     let facet = Facet { height: x[2], slope: DVec2::new(x[3], x[4]) };
-    let DiskLight { fraction, moment } = disk.light(HorizonLine { height: x[0], slope: x[1] }, facet);
+    let DiskLight { fraction, moment } = disk.light_by_quadrature(HorizonLine { height: x[0], slope: x[1] }, facet);
     vec![fraction, moment.x, moment.y]
 }
 

@@ -129,16 +129,16 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
 
 /// How two renderings of a scene agree.
 #[derive(Debug)]
-struct Agreement {
+pub struct Agreement {
     /// Share of pixels away from depth edges within 1e-3 relative radiance.
-    radiance: f64,
+    pub radiance: f64,
     /// Share of centres that meet the same kind of ground.
-    ground: f64,
+    pub ground: f64,
     /// 99th percentile of the range's relative difference.
-    range: f64,
+    pub range: f64,
 }
 
-fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
+pub fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
     let smooth: Vec<usize> = (0..a.pixels.len()).filter(|&pixel| !at_depth_edge(scene, a, pixel)).collect();
     let same = |&&pixel: &&usize| {
         let (p, q) = (a.pixels[pixel].radiance_w_m2_sr, b.pixels[pixel].radiance_w_m2_sr);

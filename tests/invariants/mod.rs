@@ -1,3 +1,4 @@
 //! What physics demands of any implementation.
 
 mod photometry;
+mod render;

@@ -19,7 +19,7 @@ fn a_mars_scenario_runs_with_the_default_kernels() {
     let point = frame.body.position_from_geodetic(Geodetic::from_degrees(-4.6, 137.4, 0.0));
     let (mut worst_arcsec, mut worst_km) = (0.0_f64, 0.0_f64);
     for day in 0..1095 {
-        let epoch = parse_epoch("2023-01-01").unwrap() + f64::from(day) * Unit::Day;
+        let epoch = parse_epoch("2023-01-01Z").unwrap() + f64::from(day) * Unit::Day;
         let [a, b] = [&almanac, &de440].map(|almanac| sun(almanac, &frame, point, epoch).unwrap());
         worst_arcsec = worst_arcsec.max(a.direction.angle_to(b.direction).to_degrees() * 3600.0);
         worst_km = worst_km.max((a.distance_m - b.distance_m).abs() / 1000.0);
@@ -59,7 +59,7 @@ fn the_default_kernels_err_no_more_than_their_document_says() {
 #[test]
 fn the_committed_kernels_are_those_that_the_program_makes() {
     let folder = tempfile::tempdir().unwrap();
-    let (from, until) = (parse_epoch("2030-01-01").unwrap(), parse_epoch("2030-03-01").unwrap());
+    let (from, until) = (parse_epoch("2030-01-01Z").unwrap(), parse_epoch("2030-03-01Z").unwrap());
     let paths = make_default_kernels(folder.path(), from, until).unwrap();
     let again = tempfile::tempdir().unwrap();
     let twice = make_default_kernels(again.path(), from, until).unwrap();
@@ -119,7 +119,7 @@ fn damaged_kernels_do_not_panic() {
     let whole = std::fs::read(kernel_folder().join(DEFAULT_KERNELS[0])).unwrap();
     let path = folder.path().join("damaged.bsp");
     let constants = kernel_folder().join(DEFAULT_KERNELS[1]);
-    let epoch = parse_epoch("2027-01-01").unwrap();
+    let epoch = parse_epoch("2027-01-01Z").unwrap();
     let mut state = 1_u64;
     // Knuth's MMIX generator.
     let mut random = || {

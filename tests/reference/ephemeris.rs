@@ -62,7 +62,7 @@ fn sites() -> Option<Vec<Site>> {
             let number = |i: usize| cells[i].parse::<f64>().unwrap();
             Site {
                 label: format!("{} {}", cells[1], cells[0]),
-                epoch: parse_epoch(cells[0]).unwrap(),
+                epoch: parse_epoch(&format!("{}Z", cells[0])).unwrap(),
                 at: Geodetic::from_degrees(number(2), number(3), 0.0),
                 sun_deg: [number(4), number(5)],
                 sun_diameter_arcsec: number(6),
@@ -165,7 +165,7 @@ fn a_real_orbit_is_read_as_cspice_reads_it() {
     let kernels =
         ["lro_20090915_0718_0740.bsp", "moon_pa_de421_1900-2050.bpc", "moon_080317.tf", "pck00011.tpc", "gm_de440.tpc"];
     let Some(almanac) = load(&kernels) else { return };
-    let epoch = parse_epoch("2009-09-15T07:30:00").unwrap();
+    let epoch = parse_epoch("2009-09-15T07:30:00Z").unwrap();
     let golden = [
         (
             "MOON_ME_DE421",
@@ -222,7 +222,7 @@ fn constant_rotations_are_those_of_cspice() {
         ),
     ];
     let Some(almanac) = load(&["pck00011.tpc"]) else { return };
-    let epoch = parse_epoch("2024-05-01T12:00:00").unwrap();
+    let epoch = parse_epoch("2024-05-01T12:00:00Z").unwrap();
     for (body, rows, rate_of_x) in golden {
         let frame = almanac.body_frame(body, Some(&format!("IAU_{body}"))).unwrap();
         let orientation = almanac.orientation(&frame, epoch).unwrap();
@@ -342,7 +342,7 @@ fn in_a_total_lunar_eclipse_the_earth_hides_the_sun_from_the_whole_near_side() {
     let almanac = default_almanac();
     let frame = almanac.body_frame("moon", None).unwrap();
     let hidden = |utc: &str, latitude_deg: f64, longitude_deg: f64| {
-        let epoch = parse_epoch(utc).unwrap();
+        let epoch = parse_epoch(&format!("{utc}Z")).unwrap();
         let point = frame.body.position_from_geodetic(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0));
         let (sun, earth) =
             (sun(&almanac, &frame, point, epoch).unwrap(), earth(&almanac, &frame, point, epoch).unwrap());

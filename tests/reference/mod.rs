@@ -5,4 +5,6 @@ mod ephemeris;
 mod horizon;
 mod photometry;
 mod raster;
+mod render;
+mod ridge;
 mod trajectory;

@@ -15,7 +15,7 @@ const KERNELS: [&str; 5] =
     ["lro_20090915_0718_0740.bsp", "moon_pa_de421_1900-2050.bpc", "moon_fk_de421.epa", "pck00011.tpc", "gm_de440.tpc"];
 
 fn start() -> Epoch {
-    parse_epoch("2009-09-15T07:20:00").unwrap()
+    parse_epoch("2009-09-15T07:20:00Z").unwrap()
 }
 
 /// States of LRO by SPK, ten seconds apart over ten minutes, in a body's frame or in ICRF.

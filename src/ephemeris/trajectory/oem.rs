@@ -226,7 +226,8 @@ impl Parser {
 
     fn epoch(&self, text: &str) -> Result<Epoch, String> {
         let scale = self.time_scale.ok_or("a state stands before META_STOP")?;
-        parse_in_scale(text, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))
+        let (date_time, scale) = text.strip_suffix('Z').map_or((text, scale), |utc| (utc, TimeScale::UTC));
+        parse_in_scale(date_time, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))
     }
 
     fn optional_epoch(&self, key: &str) -> Result<Option<Epoch>, String> {

@@ -196,7 +196,7 @@ mod tests {
     const MU_M3_S2: f64 = 4.902_800_118_457_55e12;
 
     fn start() -> Epoch {
-        crate::ephemeris::parse_epoch("2026-09-08T00:00:00").unwrap()
+        crate::ephemeris::parse_epoch("2026-09-08T00:00:00Z").unwrap()
     }
 
     fn elements(semi_major_axis_m: f64, eccentricity: f64, true_anomaly_rad: f64) -> Elements {

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     fn start() -> Epoch {
-        crate::ephemeris::parse_epoch("2026-09-08T00:00:00").unwrap()
+        crate::ephemeris::parse_epoch("2026-09-08T00:00:00Z").unwrap()
     }
 
     fn path(points: &[(f64, DVec3)], ends: SplineEnds) -> Waypoints {

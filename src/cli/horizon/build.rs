@@ -1,0 +1,149 @@
+//! `sim horizon DEM… -o DIR`.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use perilune::geometry::Geodetic;
+use perilune::horizon::{self, ErrorStatistics};
+use perilune::pipeline::Progress;
+use perilune::pipeline::ground::{self, Ground, Tile};
+use serde_json::{Value as Json, json};
+
+use super::levels::{self, encoding_name};
+use crate::cli::bars::Bars;
+use crate::cli::{Outcome, place, say};
+
+#[derive(Debug, clap::Args)]
+#[group(id = "build")]
+pub struct Args {
+    /// Elevation models that GDAL reads, the finest first
+    #[arg(required = true, value_name = "DEM")]
+    dems: Vec<PathBuf>,
+    /// Directory of the tiles; a tile that is there already is kept
+    // Required, but not beside a subcommand.
+    #[arg(short, long, value_name = "DIR", required = true)]
+    output: Option<PathBuf>,
+    /// Centre of the map, in degrees [default: the middle of the first DEM]
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
+    at: Option<Geodetic>,
+    /// Number of azimuths, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 360)]
+    azimuths: usize,
+    /// Terrain further away does not occlude, in metres [default: all terrain does]
+    #[arg(long, value_name = "M", value_parser = levels::metres)]
+    search: Option<f64>,
+    /// Height of the observer above the ground, in metres
+    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    observer_height: f64,
+    /// 16 coefficients: fm16 at falling resolutions (21 bytes a node), f16 all at full resolution (64 bytes)
+    #[arg(long, value_enum, default_value_t)]
+    encoding: Encoding,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    levels: levels::Args,
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Encoding {
+    #[default]
+    Fm16,
+    F16,
+}
+
+impl From<Encoding> for horizon::Encoding {
+    fn from(encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::Fm16 => Self::Fm16,
+            Encoding::F16 => Self::F16,
+        }
+    }
+}
+
+pub fn run(args: Args) -> Outcome {
+    let output = args.output.ok_or("no directory for the tiles is given: --output DIR")?;
+    let bars = Bars::new();
+    let ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    ground.resampling.iter().for_each(|line| bars.say(line));
+    let settings =
+        horizon::Settings { azimuths: args.azimuths, search_m: args.search, observer_height_m: args.observer_height };
+    let mut all = Vec::new();
+    let finished = |tile: &Tile| -> Result<(), Box<dyn Error>> {
+        bars.clear();
+        let facts = facts(&ground, &settings, tile)?;
+        if !args.json {
+            say(text(&facts))?;
+        }
+        all.push(facts);
+        Ok(())
+    };
+    ground::horizons(&ground.surface, &settings, args.encoding.into(), &output, &bars, finished)?;
+    bars.clear();
+    if args.json {
+        say(format_args!("{:#}", Json::from(all)))?;
+    }
+    Ok(())
+}
+
+/// What is told of a tile.
+fn facts(ground: &Ground, settings: &horizon::Settings, tile: &Tile) -> Result<Json, Box<dyn Error>> {
+    let level = &ground.surface.terrain.faces[tile.face].levels[tile.level];
+    let samples = (tile.map.columns * tile.map.rows * settings.azimuths) as f64;
+    let errors = &tile.map.errors;
+    Ok(json!({
+        "tile": tile.path,
+        "face": tile.face,
+        "level": tile.level,
+        "columns": tile.map.columns,
+        "rows": tile.map.rows,
+        "posting_m": level.posting_m,
+        "azimuths": settings.azimuths,
+        "encoding": encoding_name(tile.map.encoding),
+        "bytes": std::fs::metadata(&tile.path)?.len(),
+        "built_s": tile.built_s,
+        "samples_per_s": tile.built_s.map(|seconds| samples / seconds),
+        "measured_pixels": errors.pixels,
+        "swept_error_deg": in_degrees(&errors.swept),
+        "decoded_error_deg": in_degrees(&errors.decoded),
+    }))
+}
+
+pub fn in_degrees(errors: &ErrorStatistics) -> Json {
+    let deg = |angle_rad: f64| angle_rad.to_degrees();
+    json!({
+        "rms": deg(errors.rms_rad), "p95": deg(errors.p95_rad), "p99": deg(errors.p99_rad), "max": deg(errors.max_rad),
+    })
+}
+
+fn text(facts: &Json) -> String {
+    let number = |key: &str| facts[key].as_f64().unwrap_or(f64::NAN);
+    let path = facts["tile"].as_str().unwrap_or_default();
+    let time = match facts["built_s"].as_f64() {
+        Some(seconds) => format!("built in {seconds:.1} s, {:.1} million samples/s", number("samples_per_s") / 1e6),
+        None => "was there".into(),
+    };
+    format!(
+        "{path}: face {}, level {}\n  {} × {} nodes at {:.2} m, {} azimuths, {}, {:.2} MB, {time}\n  \
+         error of {} traced nodes  rms       p95       p99       max (degrees)\n    swept               {}\n    \
+         decoded             {}",
+        facts["face"],
+        facts["level"],
+        facts["columns"],
+        facts["rows"],
+        number("posting_m"),
+        facts["azimuths"],
+        facts["encoding"].as_str().unwrap_or_default(),
+        number("bytes") / 1e6,
+        facts["measured_pixels"],
+        row(&facts["swept_error_deg"]),
+        row(&facts["decoded_error_deg"]),
+    )
+}
+
+/// RMS, 95 %, 99 % and largest error in columns.
+pub fn row(errors_deg: &Json) -> String {
+    let cell = |key: &str| format!("{:10.5}", errors_deg[key].as_f64().unwrap_or(f64::NAN));
+    ["rms", "p95", "p99", "max"].map(cell).concat()
+}

@@ -1,0 +1,136 @@
+//! The levels that tiles are made from, as arguments.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use perilune::ephemeris::{Almanac, default_kernel_folder};
+use perilune::geometry::{Body, Geodetic};
+use perilune::horizon::store::Header;
+use perilune::horizon::{Encoding, Key};
+use perilune::pipeline::Progress;
+use perilune::pipeline::ground::{self, Ground};
+use perilune::scenario::{self, Dem};
+
+/// How DEMs become levels.
+#[derive(Debug, clap::Args)]
+#[group(id = "levels")]
+pub struct Args {
+    /// Distance of nodes in metres, one for each DEM in turn [default: the DEM's own]
+    #[arg(long, value_name = "M", value_parser = metres)]
+    posting: Vec<f64>,
+    /// Side in metres of the square about the centre to cover, one for each DEM in turn [default: all of the DEM]
+    #[arg(long, value_name = "M", value_parser = metres)]
+    extent: Vec<f64>,
+    /// Cut one DEM of the whole body into the six faces of a cube
+    #[arg(long, conflicts_with = "extent")]
+    cube: bool,
+    /// What pixels hold; auto tells heights from radii by their size
+    #[arg(long, value_enum, default_value_t)]
+    values: Values,
+    #[command(flatten)]
+    body: BodyArgs,
+}
+
+/// The reference surface.
+#[derive(Debug, clap::Args)]
+struct BodyArgs {
+    /// Body, as moon, mars or any that the default kernels have constants of
+    #[arg(long, default_value = "moon")]
+    body: String,
+    /// Take a sphere of this radius in metres for the body, as some DEMs do
+    #[arg(long, value_name = "M", value_parser = metres)]
+    radius: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Values {
+    #[default]
+    Auto,
+    Height,
+    Radius,
+}
+
+impl BodyArgs {
+    fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
+        let body = Almanac::default_kernels(&default_kernel_folder())?.body_frame(&self.body, None)?.body;
+        Ok(match self.radius {
+            Some(radius_m) => Body { equatorial_radius_m: radius_m, polar_radius_m: radius_m, ..body },
+            None => body,
+        })
+    }
+}
+
+impl Args {
+    /// Opens the DEMs and lifts them onto levels, as a run does.
+    pub fn ground(
+        &self,
+        dems: &[PathBuf],
+        centre: Option<Geodetic>,
+        progress: &dyn Progress,
+    ) -> Result<Ground, Box<dyn std::error::Error>> {
+        let terrain = scenario::Terrain { centre, dems: self.dems(dems)? };
+        // Only synthetic terrain is kept in a cache.
+        Ok(ground::surface(Some(&terrain), &self.body.body()?, Path::new(""), progress)?)
+    }
+
+    fn dems(&self, paths: &[PathBuf]) -> Result<Vec<Dem>, String> {
+        for (option, given) in [("--posting", self.posting.len()), ("--extent", self.extent.len())] {
+            if given > paths.len() {
+                return Err(format!("{option} is given {given} times for {} DEMs", paths.len()));
+            }
+        }
+        let values = match self.values {
+            Values::Auto => scenario::Values::Auto,
+            Values::Height => scenario::Values::Height,
+            Values::Radius => scenario::Values::Radius,
+        };
+        let at = |values: &[f64], index: usize| values.get(index).copied();
+        match paths {
+            [path] if self.cube => Ok(vec![Dem::Cube { path: path.clone(), values, posting_m: at(&self.posting, 0) }]),
+            _ if self.cube => Err(format!("--cube takes one DEM of the whole body, got {}", paths.len())),
+            _ => Ok(paths
+                .iter()
+                .enumerate()
+                .map(|(index, path)| Dem::File {
+                    path: path.clone(),
+                    values,
+                    posting_m: at(&self.posting, index),
+                    extent_m: at(&self.extent, index),
+                })
+                .collect()),
+        }
+    }
+}
+
+/// The face and level whose horizons a tile holds.
+pub fn find(ground: &Ground, tile: &Path, header: &Header) -> Result<(usize, usize), String> {
+    let faces = &ground.surface.terrain.faces;
+    let all =
+        faces.iter().enumerate().flat_map(|(face, nodes)| (0..nodes.levels.len()).map(move |level| (face, level)));
+    let made_it = |&(face, level): &(usize, usize)| {
+        Key::of(&ground.surface.terrain.body, &faces[face], level, &header.settings, header.encoding) == header.key
+    };
+    all.into_iter().find(made_it).ok_or_else(|| {
+        let [columns, rows] = [header.columns, header.rows];
+        let posting_m = header.map.posting_m;
+        format!(
+            "{} was made from other heights or another map than these DEMs give: it has {columns} × {rows} nodes at \
+             {posting_m} m; pass the DEMs, the centre, the body, --posting, --extent and --cube that it was built with",
+            tile.display()
+        )
+    })
+}
+
+/// A distance.
+pub fn metres(text: &str) -> Result<f64, String> {
+    let number = text.parse().map_err(|_| "want a number of metres".to_owned())?;
+    if number > 0.0 && f64::is_finite(number) { Ok(number) } else { Err("want more than 0 m".into()) }
+}
+
+/// Name of an encoding, as its argument.
+pub fn encoding_name(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Fm16 => "fm16",
+        Encoding::F16 => "f16",
+    }
+}

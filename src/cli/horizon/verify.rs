@@ -1,0 +1,86 @@
+//! `sim horizon verify`.
+
+use std::path::PathBuf;
+
+use perilune::evaluate;
+use perilune::geometry::Geodetic;
+use perilune::horizon::store;
+use perilune::pipeline::Progress;
+use serde_json::json;
+
+use super::build::{in_degrees, row};
+use super::levels::{self, find};
+use crate::cli::bars::Bars;
+use crate::cli::{Outcome, place, say};
+
+/// Trace nodes of a tile anew and hold the errors that its header states against what is found.
+///
+/// The nodes that the builder measured must give the stated figures again; nodes drawn at random may differ by chance
+/// only. Exit code 1 where they do not.
+#[derive(Debug, clap::Args)]
+#[group(id = "verify")]
+pub struct Args {
+    /// The tile
+    tile: PathBuf,
+    /// The DEMs it was built from, with the options it was built with
+    #[arg(required = true, value_name = "DEM")]
+    dems: Vec<PathBuf>,
+    /// Centre of the map, in degrees [default: the middle of the first DEM]
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
+    at: Option<Geodetic>,
+    /// Nodes to draw
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(8..=100_000))]
+    count: u64,
+    /// Seed of the draw
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    levels: levels::Args,
+}
+
+pub fn run(args: Args) -> Outcome {
+    let (header, map) = store::read(&args.tile)?;
+    let bars = Bars::new();
+    let ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    let (face, level) = find(&ground, &args.tile, &header)?;
+    bars.begin("tracing", 1, "sample");
+    let face = &ground.surface.terrain.faces[face];
+    let found = evaluate::verify(face, level, &header, &map, args.count as usize, args.seed);
+    bars.clear();
+
+    let [stated, repeated, drawn] = [&header.errors.decoded, &found.repeated, &found.drawn].map(in_degrees);
+    if args.json {
+        say(format_args!(
+            "{:#}",
+            json!({
+                "tile": args.tile,
+                "stated_error_deg": stated,
+                "repeated_error_deg": repeated, "repeated_nodes": found.repeated_pixels, "repeats": found.repeats(),
+                "drawn_error_deg": drawn, "drawn_nodes": found.drawn_pixels, "seed": found.seed,
+                "deviations": found.deviations, "agrees": found.agrees(),
+            })
+        ))?;
+    } else {
+        say(format_args!("error of the decoded skyline (degrees)     rms       p95       p99       max"))?;
+        say(format_args!("  {:<34}{}", "stated", row(&stated)))?;
+        say(format_args!(
+            "  {:<34}{}",
+            format!("traced anew, the same {} nodes", found.repeated_pixels),
+            row(&repeated)
+        ))?;
+        let drawn_name = format!("{} nodes drawn with seed {}", found.drawn_pixels, found.seed);
+        say(format_args!("  {drawn_name:<34}{}", row(&drawn)))?;
+        say(format_args!("  the draw lies {:.1} standard deviations from the stated sample", found.deviations))?;
+    }
+    let tile = args.tile.display();
+    if !found.repeats() {
+        return Err(format!("{tile} states errors that its own nodes do not have").into());
+    }
+    if !found.agrees() {
+        return Err(format!("{tile} states errors that other nodes do not have").into());
+    }
+    Ok(())
+}

@@ -1,0 +1,92 @@
+//! All that can be said against a run without rendering it.
+
+use std::path::{Path, PathBuf};
+
+use super::{Error, Progress, body_frame, ground, kernels, motion, scene};
+use crate::ephemeris::{Almanac, BodyFrame};
+use crate::geometry::{Body, Geodetic};
+use crate::raster;
+use crate::scenario::{Albedo, Dem, Scenario};
+use crate::terrain::{Surface, Terrain};
+
+/// What a check has found.
+#[derive(Debug, Default)]
+pub struct Checked {
+    pub problems: Vec<Error>,
+    /// Whether poses were held against the terrain: not where it is synthetic and not made yet, or cannot be read.
+    pub over_terrain: bool,
+}
+
+/// Loads kernels, opens files, computes all poses. Makes nothing.
+pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Checked {
+    let mut checked = Checked::default();
+    let problems = &mut checked.problems;
+    problems.extend(scene::optics(scenario).err());
+    problems.extend(scene::detector(scenario).err());
+    problems.extend(scene::disk(scenario).err());
+    problems.extend(scene::reflectance(scenario).err());
+    if let Albedo::Map(path) = &scenario.albedo {
+        let options = raster::Options { values: raster::Values::Height, ..Default::default() };
+        problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
+    }
+    let ground = surface(scenario, cache, progress, problems);
+    checked.over_terrain = ground.is_some();
+    let loaded = Almanac::load(&kernels(scenario))
+        .map_err(Error::from)
+        .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
+    match loaded {
+        Ok((frame, almanac)) => problems.extend(poses(scenario, &almanac, &frame, ground)),
+        Err(error) => problems.push(error),
+    }
+    checked
+}
+
+/// The surface, where it can be had without making terrain.
+fn surface(
+    scenario: &Scenario,
+    cache: &Path,
+    progress: &dyn Progress,
+    problems: &mut Vec<Error>,
+) -> Option<ground::Ground> {
+    let (body, dems) = (&scenario.body, scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems));
+    let paths = ground::paths(body, dems, cache);
+    let is_there = |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. }) || path.is_file();
+    let (there, missing): (Vec<_>, Vec<_>) = dems.iter().zip(&paths).partition(is_there);
+    let opened = match missing[..] {
+        [] => ground::surface(scenario.terrain.as_ref(), body, cache, progress).map(Some),
+        _ => Ok(None),
+    };
+    // The surface stops at the first DEM that fails; the others may fail too.
+    let centre = scenario.terrain.as_ref().and_then(|terrain| ground::centre(terrain, &paths).ok());
+    let failures = || there.iter().filter_map(|(dem, path)| ground::open(dem, path, body, centre, progress).err());
+    match opened {
+        Ok(Some(ground)) => return Some(ground),
+        Ok(None) => problems.extend(failures()),
+        Err(error) => {
+            let failed: Vec<Error> = failures().collect();
+            problems.extend(if failed.is_empty() { vec![error] } else { failed });
+        }
+    }
+    None
+}
+
+/// What stands against the exposures' poses; over the bare body where there is no ground to hold them against.
+fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Option<ground::Ground>) -> Vec<Error> {
+    let over_terrain = ground.is_some();
+    let (surface, centre) = match ground {
+        Some(ground) => (ground.surface, ground.centre),
+        None => bare(&frame.body, scenario),
+    };
+    let outcomes = match motion::outcomes(scenario, almanac, frame, &surface, centre) {
+        Ok(outcomes) => outcomes,
+        Err(error) => return vec![error],
+    };
+    let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });
+    outcomes.into_iter().filter_map(Result::err).filter(counts).collect()
+}
+
+fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {
+    let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
+    let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+    (surface, centre.unwrap_or(Geodetic::from_degrees(0.0, 0.0, 0.0)))
+}

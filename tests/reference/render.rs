@@ -1,0 +1,5 @@
+//! Images against closed forms, from the reference renderer and from the compute pass.
+
+mod ground;
+mod shadows;
+mod sphere;
