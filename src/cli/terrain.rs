@@ -54,7 +54,7 @@ pub struct Args {
     /// Height of the massif, in metres [default: a twentieth of the map, at most 1500 m]
     #[arg(long, value_name = "M")]
     relief: Option<f64>,
-    /// RMS slope of the fractal between pixels [default: 0.035]
+    /// RMS slope of the fractal on pixels of 20 m [default: 0.035]
     #[arg(long)]
     roughness: Option<f64>,
     /// Print what was written as JSON

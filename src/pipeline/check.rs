@@ -1,12 +1,12 @@
 //! All that can be said against a run without rendering it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Error, Progress, body_frame, ground, kernels, motion, scene};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
-use crate::raster::{self, Dem};
-use crate::scenario::{Albedo, Scenario};
+use crate::raster;
+use crate::scenario::{Albedo, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
 /// What a check has found.
@@ -27,7 +27,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     problems.extend(scene::reflectance(scenario).err());
     if let Albedo::Map(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
-        problems.extend(Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
+        problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
@@ -48,14 +48,17 @@ fn surface(
     progress: &dyn Progress,
     problems: &mut Vec<Error>,
 ) -> Option<ground::Ground> {
-    let (body, dems) = (&scenario.body, scenario.terrain.iter().flat_map(|terrain| &terrain.dems));
-    let (there, missing): (Vec<_>, Vec<_>) = dems.partition(|dem| ground::is_there(dem, body, cache));
+    let (body, dems) = (&scenario.body, scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems));
+    let paths = ground::paths(body, dems, cache);
+    let is_there = |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. }) || path.is_file();
+    let (there, missing): (Vec<_>, Vec<_>) = dems.iter().zip(&paths).partition(is_there);
     let opened = match missing[..] {
         [] => ground::surface(scenario.terrain.as_ref(), body, cache, progress).map(Some),
         _ => Ok(None),
     };
     // The surface stops at the first DEM that fails; the others may fail too.
-    let failures = || there.iter().filter_map(|dem| ground::open(dem, body, cache, progress).err());
+    let centre = scenario.terrain.as_ref().and_then(|terrain| ground::centre(terrain, &paths).ok());
+    let failures = || there.iter().filter_map(|(dem, path)| ground::open(dem, path, body, centre, progress).err());
     match opened {
         Ok(Some(ground)) => return Some(ground),
         Ok(None) => problems.extend(failures()),

@@ -1,5 +1,6 @@
 //! From the scenario's elevation models to the surface and its horizons.
 
+use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -12,7 +13,7 @@ use crate::horizon::{self, Encoding, HorizonMap};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
-use crate::terrain::synthetic::{self, Parameters};
+use crate::terrain::synthetic::{self, Parameters, Synthetic};
 use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows: no relief of the Moon reaches further.
@@ -41,19 +42,18 @@ pub fn surface(
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
     };
+    let paths = paths(body, &terrain.dems, cache);
+    make_synthetic(body, &terrain.dems, &paths, progress)?;
+    let centre = centre(terrain, &paths)?;
     let mut dems = Vec::new();
-    for written in &terrain.dems {
-        dems.push(open(written, body, cache, progress)?);
+    for (written, path) in terrain.dems.iter().zip(&paths) {
+        dems.push(open(written, path, body, Some(centre), progress)?);
     }
     let mut inputs = Vec::new();
     for dem in &dems {
         let name = file_name(&dem.path);
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
-    let centre = match terrain.centre {
-        Some(centre) => centre,
-        None => middle(&dems[0])?,
-    };
     progress.begin("lifting terrain", dems.len(), "DEMs");
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
@@ -88,35 +88,54 @@ fn own_posting_m(dem: &Dem) -> f64 {
     dem.georeference.pixel_size() * dem.georeference.metres_per_unit()
 }
 
-/// The point in the middle of a DEM's pixels.
-fn middle(dem: &Dem) -> Result<Geodetic, Error> {
-    let pixel = glam::DVec2::new((dem.columns - 1) as f64, (dem.rows - 1) as f64) / 2.0;
-    let point = dem.georeference.projector()?.geodetics(&[pixel])[0];
-    Ok(Geodetic { height_m: 0.0, ..point })
-}
-
-/// Whether a DEM is a file, or a synthetic one that was made already.
-pub fn is_there(written: &scenario::Dem, body: &Body, cache: &Path) -> bool {
-    synthetic_parameters(written).is_none_or(|parameters| synthetic_path(body, &parameters, cache).is_file())
-}
-
-/// Opens one DEM, or makes it.
-pub fn open(written: &scenario::Dem, body: &Body, cache: &Path, progress: &dyn Progress) -> Result<Dem, Error> {
-    let (path, values, posting_m) = match written {
-        scenario::Dem::File { path, values, posting_m, .. } => (path.clone(), *values, *posting_m),
-        scenario::Dem::Cube { path, values, posting_m } => (path.clone(), *values, *posting_m),
+/// The models' files, whether they are there or not. The name of a synthetic one holds all that shapes it: its
+/// model's parameters and those of all coarser ones, which it continues.
+pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> {
+    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
+    let mut path = |dem: &scenario::Dem| match dem {
+        scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
         scenario::Dem::Synthetic { .. } => {
-            let parameters = synthetic_parameters(written).expect("it is synthetic");
-            (synthetic_file(body, &parameters, cache, progress)?, scenario::Values::Height, None)
+            shape += &format!(" {:?}", synthetic_parameters(dem));
+            let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+            cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
         }
     };
-    progress.begin(&format!("reading {}", file_name(&path)), 1, "file");
+    let mut paths: Vec<PathBuf> = dems.iter().rev().map(&mut path).collect();
+    paths.reverse();
+    paths
+}
+
+/// Where the terrain is centred: as asked for, or on the middle of the finest model.
+pub fn centre(terrain: &scenario::Terrain, paths: &[PathBuf]) -> Result<Geodetic, Error> {
+    match terrain.centre {
+        Some(centre) => Ok(centre),
+        None => Ok(Dem::middle(&paths[0])?),
+    }
+}
+
+/// Reads a model, or the part of it that its extent about the centre needs; all of it where there is no centre.
+pub fn open(
+    written: &scenario::Dem,
+    path: &Path,
+    body: &Body,
+    centre: Option<Geodetic>,
+    progress: &dyn Progress,
+) -> Result<Dem, Error> {
+    let (values, posting_m, extent_m) = match *written {
+        scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
+        scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
+        scenario::Dem::Synthetic { .. } => (scenario::Values::Height, None, None),
+    };
+    progress.begin(&format!("reading {}", file_name(path)), 1, "file");
     let values = match values {
         scenario::Values::Auto => raster::Values::Auto,
         scenario::Values::Height => raster::Values::Height,
         scenario::Values::Radius => raster::Values::Radius,
     };
-    Ok(Dem::open(&path, body, &raster::Options { values, posting_m, ..Default::default() })?)
+    // The map may be turned: the square's corners can lie in any direction.
+    let around =
+        centre.zip(extent_m).map(|(centre, extent_m)| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });
+    Ok(Dem::open(path, body, &raster::Options { values, posting_m, around, ..Default::default() })?)
 }
 
 fn synthetic_parameters(written: &scenario::Dem) -> Option<Parameters> {
@@ -124,33 +143,40 @@ fn synthetic_parameters(written: &scenario::Dem) -> Option<Parameters> {
     Some(Parameters { centre, ..Parameters::highland(columns as usize, rows as usize, posting_m, seed) })
 }
 
-/// Its name holds all that shapes it.
-fn synthetic_path(body: &Body, parameters: &Parameters, cache: &Path) -> PathBuf {
-    let shape = format!("{} {body:?} {parameters:?}", env!("CARGO_PKG_VERSION"));
-    let key = crate::ephemeris::sha256_hex(shape.as_bytes());
-    cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
+/// Makes the synthetic models, coarsest first, unless all are there.
+fn make_synthetic(
+    body: &Body,
+    dems: &[scenario::Dem],
+    paths: &[PathBuf],
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    let wanted = dems.iter().zip(paths).rev();
+    let wanted: Vec<_> = wanted.filter_map(|(dem, path)| Some((synthetic_parameters(dem)?, path))).collect();
+    if wanted.iter().all(|(_, path)| path.is_file()) {
+        return Ok(());
+    }
+    let mut coarse = None;
+    for (parameters, path) in &wanted {
+        progress.begin("making terrain", 0, "craters");
+        let heard = |done: usize, total: usize| progress.at(done, total);
+        let terrain = match &coarse {
+            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
+            None => synthetic::generate(body, parameters, &heard)?,
+        };
+        keep(&terrain, path)?;
+        coarse = Some(terrain);
+    }
+    Ok(())
 }
 
-/// A synthetic terrain's file, made where it is not there yet.
-fn synthetic_file(
-    body: &Body,
-    parameters: &Parameters,
-    cache: &Path,
-    progress: &dyn Progress,
-) -> Result<PathBuf, Error> {
-    let path = synthetic_path(body, parameters, cache);
-    if path.is_file() {
-        return Ok(path);
-    }
-    progress.begin("making terrain", 0, "craters");
-    let terrain = synthetic::generate(body, parameters, &|done, total| progress.at(done, total))?;
-    let folder = path.parent().unwrap_or(cache);
+/// Writes a synthetic terrain and its craters.
+fn keep(terrain: &Synthetic, path: &Path) -> Result<(), Error> {
+    let folder = path.parent().unwrap_or(path);
     std::fs::create_dir_all(folder).map_err(|source| Error::Unwritable { path: folder.into(), source })?;
     // The craters first: the terrain's name says that both are there.
     let craters = path.with_extension("craters.csv");
     std::fs::write(&craters, terrain.craters_csv()).map_err(|source| Error::Unwritable { path: craters, source })?;
-    terrain.write(&path)?;
-    Ok(path)
+    Ok(terrain.write(path)?)
 }
 
 /// A horizon tile that is ready.

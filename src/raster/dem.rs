@@ -41,6 +41,13 @@ pub struct Window {
     pub rows: usize,
 }
 
+/// The ground within a distance of a place, on the gnomonic map about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    pub centre: Geodetic,
+    pub distance_m: f64,
+}
+
 /// How to read an elevation model.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
@@ -49,6 +56,8 @@ pub struct Options {
     pub values: Values,
     /// Read these pixels only.
     pub window: Option<Window>,
+    /// Of these, only those that are needed for the ground around a place.
+    pub around: Option<Around>,
     /// The posting it will be used at. Pixels are averaged n × n while reading, n = ⌊posting/pixel⌋, so
     /// that a coarse grid holds means and not a random choice of samples.
     pub posting_m: Option<f64>,
@@ -96,6 +105,10 @@ impl Dem {
         check_body(path, &whole, body, options.any_body)?;
 
         let reduction = reduction(&whole, window, options.posting_m);
+        let window = match options.around {
+            Some(around) => needed(&whole, body, window, reduction, around)?,
+            None => window,
+        };
         let (columns, rows) = (window.columns / reduction, window.rows / reduction);
         let reduced = Georeference::new(&whole.wkt, part(whole.geotransform, window, reduction), columns)?;
         let mut reader = Reader {
@@ -120,6 +133,15 @@ impl Dem {
             Self { path: path.into(), georeference: reduced, columns, rows, heights_m, seams: Seams::default() };
         dem.seams = dem.find_seams()?;
         Ok(dem)
+    }
+
+    /// The place in the middle of a file's pixels. Its heights are not read.
+    pub fn middle(path: &Path) -> Result<Geodetic, Error> {
+        keep_gdal_quiet();
+        let dataset = open_dataset(path)?;
+        let (columns, rows) = dataset.raster_size();
+        let pixel = (DVec2::new(columns as f64, rows as f64) - 1.0) / 2.0;
+        Ok(Geodetic { height_m: 0.0, ..georeference(path, &dataset)?.projector()?.geodetics(&[pixel])[0] })
     }
 
     /// Points of the surface at pixel coordinates; at the mean height where there is no data.
@@ -255,6 +277,47 @@ fn reduction(georeference: &Georeference, window: Window, posting_m: Option<f64>
         Some(_) => (1..=wanted).rev().find(divides).unwrap_or(1),
         None => wanted,
     }
+}
+
+/// The part of a window that holds the ground around a place, in whole blocks of `reduction` pixels, so that
+/// blocks are those of the window. All columns where the map runs around the body and so has a seam.
+fn needed(
+    whole: &Georeference,
+    body: &Body,
+    window: Window,
+    reduction: usize,
+    Around { centre, distance_m }: Around,
+) -> Result<Window, Error> {
+    const PROBES: i32 = 32;
+    let middle_m = body.position_from_geodetic(centre).vector_m();
+    // Any two directions across each other will do.
+    let east_m = middle_m.normalize().any_orthonormal_vector() * distance_m;
+    let north_m = middle_m.normalize().cross(east_m);
+    let place = |index: i32| {
+        let (x, y) = (index % (2 * PROBES + 1) - PROBES, index / (2 * PROBES + 1) - PROBES);
+        (middle_m + (f64::from(x) * east_m + f64::from(y) * north_m) / f64::from(PROBES)).normalize()
+            * middle_m.length()
+    };
+    let places: Vec<_> = (0..(2 * PROBES + 1).pow(2)).map(|index| Position::from_m(place(index))).collect();
+    let seen = whole.projector()?.pixels(&places).into_iter().filter(|pixel| pixel.is_finite());
+    let (low, high) = seen.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    // Edges bend between probes, and interpolation looks two blocks further.
+    let margin = (high - low) * 0.01 + 3.0 * reduction as f64;
+    let part = |low: f64, high: f64, start: usize, count: usize| {
+        let blocks = (count / reduction) as f64;
+        let first = ((low - start as f64) / reduction as f64).floor().clamp(0.0, blocks) as usize * reduction;
+        let end = ((high - start as f64) / reduction as f64).ceil().clamp(0.0, blocks) as usize * reduction;
+        (start + first, end.saturating_sub(first))
+    };
+    let (low, high) = (low - margin, high + margin);
+    let (row, rows) = part(low.y, high.y, window.row, window.rows);
+    let (column, columns) = match whole.period_columns {
+        Some(_) => (window.column, window.columns),
+        None => part(low.x, high.x, window.column, window.columns),
+    };
+    // A place outside the file is an error of whoever needs heights there.
+    let some = columns >= 2 * reduction && rows >= 2 * reduction;
+    Ok(if some { Window { column, row, columns, rows } } else { window })
 }
 
 /// The affine map of the pixels of a window, averaged `reduction` × `reduction`.

@@ -11,7 +11,7 @@ mod georeference;
 mod sample;
 mod write;
 
-pub use dem::{Dem, Options, Values, Window};
+pub use dem::{Around, Dem, Options, Values, Window};
 pub use digest::digest;
 pub use error::Error;
 use error::keep_gdal_quiet;

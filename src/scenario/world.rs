@@ -51,6 +51,7 @@ pub fn kernels(written: &[String], check: &mut Check) -> Vec<PathBuf> {
 pub fn terrain(written: &spec::Terrain, check: &mut Check) -> Terrain {
     let dems: Vec<Dem> = written.dems.iter().enumerate().map(|(index, dem)| resolved_dem(index, dem, check)).collect();
     finest_first(&dems, check);
+    one_synthetic_map(&dems, check);
     let centre = written.centre.map(|place| Geodetic::from_degrees(place.latitude_deg, place.longitude_deg, 0.0));
     Terrain { centre, dems }
 }
@@ -87,6 +88,23 @@ fn finest_first(dems: &[Dem], check: &mut Check) {
             check.rule(posting_m > earlier_m, &format!("{key}.posting_m"), posting_m, rule);
         }
         finer = Some((index, posting_m));
+    }
+}
+
+/// Synthetic models continue each other, so they share a centre and lie inside each other.
+fn one_synthetic_map(dems: &[Dem], check: &mut Check) {
+    let mut finer: Option<(usize, Geodetic, [f64; 2])> = None;
+    for (index, dem) in dems.iter().enumerate() {
+        let Dem::Synthetic { columns, rows, posting_m, centre, .. } = *dem else { continue };
+        let sides_m = [columns, rows].map(|count| f64::from(count) * posting_m);
+        let key = format!("terrain.dems[{index}]");
+        if let Some((earlier, its_centre, its_sides_m)) = finer {
+            let needs = format!("the centre of dems[{earlier}]: synthetic models continue each other about one centre");
+            check.needs(centre == its_centre, &key, needs);
+            let holds = sides_m[0] >= its_sides_m[0] && sides_m[1] >= its_sides_m[1];
+            check.needs(holds, &key, format!("to be as wide and high as dems[{earlier}], which lies in it"));
+        }
+        finer = Some((index, centre, sides_m));
     }
 }
 

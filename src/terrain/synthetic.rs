@@ -10,11 +10,19 @@
 //! what it hits before its own is added, as far as it is fresh, so that large young craters hold no old
 //! small ones.
 //!
-//! **Fractal.** Octaves of gradient noise from four pixels to the breakover at 2 km with amplitudes
+//! **Fractal.** Octaves of gradient noise from the breakover at 2 km down to four pixels with amplitudes
 //! `λ^H`, `H = 0.95`: self-affine up to about 1 km as measured over the lunar highlands. It lies over
 //! craters too, as the regolith does.
 //!
 //! **Massif.** A ridge across the map, bent and notched by noise of long wavelength, of a given relief.
+//!
+//! # Nesting
+//! A finer terrain about the same centre continues a coarser one: it repeats the coarser one's massif, craters
+//! and octaves at its own pixels, each crater on the ground that it met there, and adds craters from the coarser
+//! one's smallest diameter down and octaves from its shortest wavelength down. So every size and wavelength
+//! comes from one draw, rims of large craters are as sharp as the finer pixels allow, and both terrains differ
+//! only by what the coarser one cannot hold. New craters that would cross the border are left out: within
+//! 2 + 6 postings of the coarser terrain their density falls to 0, the largest first.
 //!
 //! Every random number is a function of the seed and of what it is for (a stream of ChaCha8 for each
 //! crater and each octave), so that neither the number of threads nor their order changes a bit.
@@ -36,15 +44,14 @@
 mod craters;
 mod noise;
 mod profile;
-
-use std::f64::consts::PI;
+mod relief;
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 pub use craters::Crater;
 use craters::Field;
-use noise::Noise;
+use relief::{Fractal, Massif};
 
 use crate::geometry::{Body, Geodetic};
 use crate::raster::{self, Band, GeoTiff, Georeference};
@@ -54,12 +61,6 @@ pub const DENSITY_PER_KM2: f64 = 0.0736;
 
 /// Exponent of the cumulative size distribution. Hartmann (1984).
 pub const EQUILIBRIUM_EXPONENT: f64 = 1.83;
-
-/// Median Hurst exponent of the lunar highlands. Rosenburg et al. (2011).
-const HURST: f64 = 0.95;
-
-/// Wavelength above which the surface is no longer self-affine. Rosenburg et al. (2011): about 1 km.
-const BREAKOVER_M: f64 = 2000.0;
 
 /// How the map lies on the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +88,7 @@ pub struct Parameters {
     pub exponent: f64,
     /// Height of the massif over its surroundings.
     pub relief_m: f64,
-    /// RMS slope of the fractal between pixels.
+    /// RMS slope of the fractal on pixels of 20 m, whatever the posting.
     pub roughness: f64,
 }
 
@@ -133,6 +134,32 @@ impl Parameters {
         Ok(())
     }
 
+    /// Whether this terrain can continue a coarser one.
+    fn check_within(&self, coarse: &Self) -> Result<(), Error> {
+        let half_m = |parameters: &Self| Raster::of(parameters).half_m();
+        let apart = |key, got: String, coarse: String, rule| Err(Error::Apart { key, got, coarse, rule });
+        if (self.centre, self.projection) != (coarse.centre, coarse.projection) {
+            let place = |it: &Self| {
+                let Geodetic { latitude_rad, longitude_east_rad, .. } = it.centre;
+                format!(
+                    "{:?} about {:.6}, {:.6} deg",
+                    it.projection,
+                    latitude_rad.to_degrees(),
+                    longitude_east_rad.to_degrees()
+                )
+            };
+            return apart("centre", place(self), place(coarse), "both share one map");
+        }
+        if self.smallest_m >= coarse.smallest_m || self.posting_m >= coarse.posting_m {
+            return apart("posting_m", self.posting_m.to_string(), coarse.posting_m.to_string(), "it is finer");
+        }
+        if half_m(self).cmpgt(half_m(coarse)).any() {
+            let size = |it: &Self| format!("{} m", 2.0 * half_m(it));
+            return apart("columns, rows", size(self), size(coarse), "it lies inside");
+        }
+        Ok(())
+    }
+
     /// The CRS as a PROJ string on the body's figure.
     fn crs(&self, body: &Body) -> String {
         let (a, b) = (body.equatorial_radius_m, body.polar_radius_m);
@@ -156,6 +183,8 @@ impl Parameters {
 pub enum Error {
     #[error("{key} = {got} is outside the allowed range: {allowed}")]
     Range { key: &'static str, got: f64, allowed: &'static str },
+    #[error("{key} = {got} does not continue the coarser terrain's {coarse}: {rule}")]
+    Apart { key: &'static str, got: String, coarse: String, rule: &'static str },
     #[error(transparent)]
     Raster(#[from] raster::Error),
 }
@@ -167,11 +196,43 @@ pub struct Synthetic {
     pub rows: usize,
     /// Metres above the body's spheroid, row by row from the top left.
     pub heights_m: Vec<f32>,
-    /// Largest first.
+    /// All whose centre lies on the raster, those of coarser terrains too, the largest first.
     pub craters: Vec<Crater>,
     /// PROJ string.
     pub crs: String,
     pub geotransform: [f64; 6],
+    parameters: Parameters,
+    massif: Massif,
+    field: Field,
+    fractal: Fractal,
+}
+
+/// Pixels in metres east and north of the raster's middle; their own coordinates are integers at centres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Raster {
+    columns: usize,
+    rows: usize,
+    posting_m: f64,
+}
+
+impl Raster {
+    fn of(&Parameters { columns, rows, posting_m, .. }: &Parameters) -> Self {
+        Self { columns, rows, posting_m }
+    }
+
+    fn at_m(&self, column: usize, row: usize) -> DVec2 {
+        let half = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64) / 2.0;
+        DVec2::new(column as f64 - half.x, half.y - row as f64) * self.posting_m
+    }
+
+    fn pixel(&self, at_m: DVec2) -> DVec2 {
+        let half = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64) / 2.0;
+        DVec2::new(half.x + at_m.x / self.posting_m, half.y - at_m.y / self.posting_m)
+    }
+
+    fn half_m(&self) -> DVec2 {
+        DVec2::new(self.columns as f64, self.rows as f64) * (self.posting_m / 2.0)
+    }
 }
 
 /// Makes a terrain; `progress` hears of craters done and of all there are.
@@ -181,19 +242,49 @@ pub fn generate(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Synthetic, Error> {
     parameters.check()?;
-    let (crs, geotransform) = georeference(body, parameters)?;
-    let Parameters { columns, rows, posting_m, seed, .. } = *parameters;
+    let Parameters { columns, rows, posting_m, seed, relief_m, roughness, .. } = *parameters;
     let side_m = columns.min(rows) as f64 * posting_m;
-    let massif = Massif::new(seed, side_m, parameters.relief_m);
-    let fractal = Fractal::new(seed, posting_m, side_m, parameters.roughness);
+    let massif = Massif::new(seed, side_m, relief_m);
+    let fractal = Fractal::default().continued(seed, posting_m, side_m / 2.0, roughness);
+    lay(body, parameters, massif, Field::draw(parameters), fractal, progress)
+}
 
-    let mut heights_m = vec![0.0; columns * rows];
-    add(&mut heights_m, parameters, |at_m| massif.height_m(at_m));
-    let field = Field::draw(parameters);
+/// Makes a terrain that continues a coarser one about the same centre. Its largest craters are a little smaller
+/// than the coarser one's smallest, and the massif is the coarser one's, whatever the parameters say.
+pub fn generate_within(
+    body: &Body,
+    parameters: &Parameters,
+    coarse: &Synthetic,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Synthetic, Error> {
+    let parameters = Parameters { largest_m: coarse.parameters.smallest_m, ..parameters.clone() };
+    parameters.check_within(&coarse.parameters)?;
+    parameters.check()?;
+    let Parameters { posting_m, seed, roughness, .. } = parameters;
+    let fractal = coarse.fractal.clone().continued(seed, posting_m, f64::INFINITY, roughness);
+    let field = Field::draw_within(&parameters, &coarse.field);
+    lay(body, &parameters, coarse.massif.clone(), field, fractal, progress)
+}
+
+/// Massif, craters and fractal, one over the other.
+fn lay(
+    body: &Body,
+    parameters: &Parameters,
+    massif: Massif,
+    mut field: Field,
+    fractal: Fractal,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Synthetic, Error> {
+    let (crs, geotransform) = georeference(body, parameters)?;
+    let raster = Raster::of(parameters);
+    let mut heights_m = vec![0.0; raster.columns * raster.rows];
+    add(&mut heights_m, &raster, |at_m| massif.height_m(at_m));
     field.stamp(&mut heights_m, progress);
-    add(&mut heights_m, parameters, |at_m| fractal.height_m(at_m));
+    add(&mut heights_m, &raster, |at_m| fractal.height_m(at_m));
     let craters = field.listed(&crs, geotransform)?;
-    Ok(Synthetic { columns: parameters.columns, rows: parameters.rows, heights_m, craters, crs, geotransform })
+    let Raster { columns, rows, .. } = raster;
+    let parameters = parameters.clone();
+    Ok(Synthetic { columns, rows, heights_m, craters, crs, geotransform, parameters, massif, field, fractal })
 }
 
 impl Synthetic {
@@ -224,72 +315,12 @@ fn georeference(body: &Body, parameters: &Parameters) -> Result<(String, [f64; 6
 }
 
 /// Adds a field of heights, given by metres from the raster's middle.
-fn add(heights_m: &mut [f32], parameters: &Parameters, field_m: impl Fn(DVec2) -> f64 + Sync) {
-    let Parameters { columns, rows, posting_m, .. } = *parameters;
-    heights_m.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
+fn add(heights_m: &mut [f32], raster: &Raster, field_m: impl Fn(DVec2) -> f64 + Sync) {
+    heights_m.par_chunks_mut(raster.columns).enumerate().for_each(|(row, line)| {
         for (column, height_m) in line.iter_mut().enumerate() {
-            let at_m = DVec2::new(column as f64 - 0.5 * columns as f64, 0.5 * rows as f64 - row as f64) * posting_m;
-            *height_m += field_m(at_m) as f32;
+            *height_m += field_m(raster.at_m(column, row)) as f32;
         }
     });
-}
-
-/// A bent, notched ridge and hills beside it.
-struct Massif {
-    bend: Noise,
-    notch: Noise,
-    hills: Noise,
-    towards: DVec2,
-    side_m: f64,
-    relief_m: f64,
-}
-
-impl Massif {
-    fn new(seed: u64, side_m: f64, relief_m: f64) -> Self {
-        let [bend, notch, hills] = [100, 101, 102].map(|stream| Noise::new(seed, stream));
-        let angle_rad = PI * bend.offset().x;
-        Self { bend, notch, hills, towards: DVec2::from_angle(angle_rad), side_m, relief_m }
-    }
-
-    fn height_m(&self, at_m: DVec2) -> f64 {
-        let at = at_m / self.side_m;
-        let sum = |noise: &Noise, first: f64, octaves: i32| -> f64 {
-            (0..octaves).map(|k| noise.value(at * first * 2f64.powi(k)) * 0.5f64.powi(k)).sum()
-        };
-        // Distance from a line that wanders by a fifth of the map.
-        let across = at.dot(self.towards) + 0.22 * sum(&self.bend, 1.7, 4);
-        let crest = 0.75 + 0.6 * sum(&self.notch, 2.3, 4);
-        let ridge = crest * (-(across / 0.17).powi(2)).exp();
-        self.relief_m * (ridge + 0.45 * sum(&self.hills, 2.6, 5))
-    }
-}
-
-/// Self-affine noise with a given slope between pixels.
-struct Fractal {
-    octaves: Vec<(Noise, f64, f64)>,
-}
-
-impl Fractal {
-    fn new(seed: u64, posting_m: f64, side_m: f64, roughness: f64) -> Self {
-        // Not 2, so that the lattices of the octaves never coincide.
-        const LACUNARITY: f64 = 1.87;
-        let longest_m = BREAKOVER_M.min(side_m / 2.0);
-        let mut octaves = Vec::new();
-        let mut wavelength_m = 4.0 * posting_m;
-        while wavelength_m <= longest_m {
-            octaves.push((Noise::new(seed, 200 + octaves.len() as u64), wavelength_m, wavelength_m.powf(HURST)));
-            wavelength_m *= LACUNARITY;
-        }
-        // Squared slopes of the octaves add up.
-        let squared: f64 = octaves.iter().map(|(_, l, amplitude)| (amplitude / l * noise::RMS_SLOPE).powi(2)).sum();
-        let scale = if squared > 0.0 { roughness / squared.sqrt() } else { 0.0 };
-        octaves.iter_mut().for_each(|(_, _, amplitude)| *amplitude *= scale);
-        Self { octaves }
-    }
-
-    fn height_m(&self, at_m: DVec2) -> f64 {
-        self.octaves.iter().map(|(noise, wavelength_m, amplitude)| amplitude * noise.value(at_m / *wavelength_m)).sum()
-    }
 }
 
 #[cfg(test)]

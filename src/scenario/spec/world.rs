@@ -71,7 +71,8 @@ pub enum Dem {
         #[schemars(range(min = 1.0, max = 1e8))]
         extent_m: Option<f64>,
     },
-    /// A cratered terrain with published statistics, made on the first run and kept.
+    /// A cratered terrain with published statistics, made on the first run and kept. Several of them, about one
+    /// centre, are one terrain: each continues the next coarser one with smaller craters and shorter wavelengths.
     Synthetic {
         /// Width in postings.
         #[schemars(range(min = 16, max = 16384))]

@@ -13,7 +13,7 @@ pub(super) const RMS_SLOPE: f64 = 0.63;
 const TABLE: usize = 1024;
 
 /// Smooth noise of wavelength about 1, mean 0, values mostly within ±0.7.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Noise {
     gradients: Vec<DVec2>,
     permutation: Vec<u16>,

@@ -1,3 +1,5 @@
+use std::f64::consts::PI;
+
 use super::*;
 
 fn make(side: usize, posting_m: f64, seed: u64) -> Synthetic {
@@ -89,4 +91,121 @@ fn impossible_parameters_are_refused_with_their_name() {
     assert!(refused(Parameters { posting_m: f64::NAN, ..good.clone() }).contains("posting_m = NaN"));
     assert!(refused(Parameters { largest_m: 1.0, ..good.clone() }).contains("largest_m = 1"));
     assert!(refused(Parameters { density: -1.0, ..good }).contains("density = -1"));
+}
+
+/// A terrain of 20 km and one of 5 km in its middle, on odd counts: every fourth fine pixel is a coarse one.
+fn nested(seed: u64, change: impl Fn(Parameters) -> Parameters) -> [Synthetic; 2] {
+    let coarse = generate(&Body::moon(), &Parameters::highland(257, 257, 80.0, seed), &|_, _| ()).unwrap();
+    let parameters = change(Parameters::highland(257, 257, 20.0, seed));
+    let fine = generate_within(&Body::moon(), &parameters, &coarse, &|_, _| ()).unwrap();
+    [coarse, fine]
+}
+
+/// Fine minus coarse heights at the coarse pixels that the fine terrain holds, row by row, 65 a side.
+fn differences_m([coarse, fine]: &[Synthetic; 2]) -> Vec<f64> {
+    let pairs = (0..65 * 65).map(|index: usize| (index % 65, index / 65));
+    let at = |(c, r): (usize, usize)| (fine.heights_m[4 * r * 257 + 4 * c], coarse.heights_m[(96 + r) * 257 + 96 + c]);
+    pairs.map(at).map(|(fine_m, coarse_m)| f64::from(fine_m - coarse_m)).collect()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Without anything of its own a finer terrain is the coarser one with pixels in between.
+#[test]
+fn a_finer_terrain_repeats_the_coarser_one() {
+    let bare = |parameters| Parameters { density: 0.0, roughness: 0.0, ..parameters };
+    let differences_m = differences_m(&nested(10, bare));
+    assert!(differences_m.iter().all(|difference_m| difference_m.abs() < 1e-3), "{}", rms(&differences_m));
+}
+
+/// What a finer terrain adds are craters under four coarse pixels: 320 m across and, by Pike (1977), 63 m deep.
+/// Means over coarse pixels differ by a tenth of that; the coarser relief is tens of times larger.
+#[test]
+fn a_finer_terrain_averages_to_the_coarser_one() {
+    let terrains = nested(11, |parameters| parameters);
+    let [coarse, fine] = &terrains;
+    let mean = |c: usize, r: usize| {
+        let block = (0..25).map(|k| fine.heights_m[(4 * r + 2 + k / 5) * 257 + 4 * c + 2 + k % 5]);
+        block.map(f64::from).sum::<f64>() / 25.0
+    };
+    let interior = (0..63 * 63).map(|index| (index % 63, index / 63));
+    let differences_m: Vec<f64> =
+        interior.map(|(c, r)| mean(c, r) - f64::from(coarse.heights_m[(97 + r) * 257 + 97 + c])).collect();
+    let heights_m: Vec<f64> = coarse.heights_m.iter().map(|&height_m| f64::from(height_m)).collect();
+    let mean_m = heights_m.iter().sum::<f64>() / heights_m.len() as f64;
+    let relief_m = rms(&heights_m.iter().map(|height_m| height_m - mean_m).collect::<Vec<_>>());
+    eprintln!("means differ by {:.2} m RMS, relief {relief_m:.0} m", rms(&differences_m));
+    assert!(rms(&differences_m) < 6.3, "{}", rms(&differences_m));
+    assert!(relief_m > 100.0, "{relief_m}");
+    // Another seed is another terrain: the comparison can fail.
+    let other = nested(12, |parameters| parameters);
+    let mixed = self::differences_m(&[coarse.clone(), other[1].clone()]);
+    assert!(rms(&mixed) > 50.0, "{}", rms(&mixed));
+}
+
+/// No new crater crosses the border, so only the fractal's short octaves and the last of ejecta differ there.
+#[test]
+fn terrains_agree_along_the_border() {
+    let differences_m = differences_m(&nested(11, |parameters| parameters));
+    let on_border = |index: &usize| [index % 65, index / 65].into_iter().any(|k| k == 0 || k == 64);
+    let border: Vec<f64> = (0..65 * 65).filter(on_border).map(|index| differences_m[index]).collect();
+    // New octaves of 306, 164 and 88 m with slopes of 0.014: amplitudes of 6.9, 3.8 and 2.1 m times 0.25, the RMS
+    // of gradient noise, make 2.0 m. Ejecta beyond 3 radii of 320 m add 0.2 m at most.
+    assert!(rms(&border) < 2.3, "{}", rms(&border));
+}
+
+/// Craters of both lists, each over the area where it is complete, against the one power law, bin by bin.
+#[test]
+fn sizes_go_on_from_the_coarser_to_the_finer_terrain() {
+    let [coarse, fine] = nested(13, |parameters| parameters);
+    let count = |terrain: &Synthetic, half_m: f64, from_m: f64, to_m: f64| {
+        let [west, step, _, north, ..] = terrain.geotransform;
+        let middle = DVec2::new(west, north) + DVec2::new(1.0, -1.0) * step * terrain.columns as f64 / 2.0;
+        let inside = |crater: &&Crater| {
+            (DVec2::new(crater.x_m, crater.y_m) - middle).abs().max_element() < half_m
+                && (from_m..to_m).contains(&crater.diameter_m)
+        };
+        terrain.craters.iter().filter(inside).count() as f64
+    };
+    let expected = |half_m: f64, from_m: f64, to_m: f64| {
+        let over = |diameter_m: f64| DENSITY_PER_KM2 * (diameter_m / 1000.0).powf(-EQUILIBRIUM_EXPONENT);
+        (half_m / 500.0).powi(2) * (over(from_m) - over(to_m))
+    };
+    // The finer terrain's own craters are complete 8 coarse pixels inside its border.
+    for (terrain, half_m, from_m, to_m) in [
+        (&fine, 1900.0, 80.0, 113.0),
+        (&fine, 1900.0, 113.0, 160.0),
+        (&fine, 1900.0, 160.0, 320.0),
+        (&fine, 2560.0, 320.0, 5000.0),
+        (&coarse, 10_000.0, 320.0, 640.0),
+    ] {
+        let (got, want) = (count(terrain, half_m, from_m, to_m), expected(half_m, from_m, to_m));
+        // Poisson noise, three times.
+        assert!((got - want).abs() < 3.0 * want.sqrt(), "{from_m} to {to_m} m: {got} craters, {want:.1} expected");
+    }
+    // Every coarse crater on the finer raster is in its list.
+    let shared = count(&coarse, 2570.0, 320.0, f64::INFINITY);
+    assert_eq!(count(&fine, 2570.0, 320.0, f64::INFINITY), shared);
+}
+
+#[test]
+fn a_nest_has_the_same_bits_on_any_number_of_threads() {
+    let make = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| nested(14, |parameters| parameters))
+    };
+    assert!(make(1) == make(3));
+}
+
+#[test]
+fn a_terrain_that_cannot_continue_another_is_refused() {
+    let coarse = make(64, 80.0, 1);
+    let good = Parameters::highland(64, 64, 20.0, 1);
+    let refused = |bad: Parameters| generate_within(&Body::moon(), &bad, &coarse, &|_, _| ()).unwrap_err().to_string();
+    let elsewhere = Geodetic::from_degrees(-80.0, 0.0, 0.0);
+    assert!(refused(Parameters { centre: elsewhere, ..good.clone() }).contains("centre = Gnomonic about -80"));
+    assert!(refused(Parameters { posting_m: 80.0, ..good.clone() }).contains("posting_m = 80"));
+    assert!(refused(Parameters { columns: 300, ..good }).contains("columns, rows = [6000, 1280] m"));
 }

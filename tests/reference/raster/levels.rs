@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use perilune::geometry::{Body, Geodetic};
+use perilune::raster::{Around, Dem, Options};
 use perilune::terrain::build::MAX_NODES_PER_SIDE;
 use perilune::terrain::{Face, NestedDem, build_cube, build_face};
 
@@ -43,6 +44,34 @@ fn the_same_hill_at_60_degrees_is_the_same_from_every_projection() {
                 // Keys' interpolation errs by h³ times a third derivative: (20 m)³/(400 m)² here, a few mm.
                 assert!((got - height(direction)).abs() < 0.01, "{} {got}", projection.proj4());
             }
+        }
+    }
+}
+
+/// Levels of a small part of a model are the same to the last bit when only that part is read.
+#[test]
+fn reading_only_what_an_extent_needs_changes_no_height() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rough.tif");
+    let model = Model::about(Projection::PolarStereographic, DVec2::new(3000.0, -500.0), 400, 20.0);
+    model.write(&path, |d| 500.0 * (d * 9e3).sin().x);
+    // In the middle, and near a corner where the window is cut.
+    for (x_m, y_m) in [(3000.0, -500.0), (10_700.0, 7_200.0)] {
+        let point = Dem::open(&path, &Body::moon(), &Options::default()).unwrap();
+        let pixel = DVec2::new((x_m - 3000.0) / 20.0 + 399.5, 399.5 - (y_m + 500.0) / 20.0);
+        let centre = point.georeference.projector().unwrap().geodetics(&[pixel])[0];
+        for posting_m in [None, Some(60.0)] {
+            let around = Some(Around { centre, distance_m: 500.0 * 2f64.sqrt() });
+            let [whole, part] = [None, around].map(|around| {
+                Dem::open(&path, &Body::moon(), &Options { posting_m, around, ..Options::default() }).unwrap()
+            });
+            assert!(part.columns * 2 < whole.columns, "{} of {}", part.columns, whole.columns);
+            let [whole, part] = [&whole, &part].map(|dem| {
+                let nested = NestedDem { dem, posting_m, extent_m: Some(1000.0) };
+                build_face(&Body::moon(), centre, &[nested], MAX_NODES_PER_SIDE).unwrap().0
+            });
+            assert_eq!(whole.levels[0].heights_m, part.levels[0].heights_m);
+            assert_eq!(whole.levels[0].gap, part.levels[0].gap);
         }
     }
 }
