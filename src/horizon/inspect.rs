@@ -1,60 +1,12 @@
-//! Questions to a finished tile: are its errors those it states, and what is the skyline of a place.
+//! A question to a finished tile: what is the skyline of a place.
 
-use std::path::Path;
+use glam::{DMat3, DVec2, DVec3};
 
-use glam::DVec2;
-use rayon::prelude::*;
-
-use super::error::{Error, ErrorStatistics};
-use super::measure::Sample;
 use super::pack::HorizonMap;
-use super::store::{self, Header, Key, MapHeader};
+use super::store::{Header, MapHeader};
 use super::trace::{Skyline, Tracer};
 use crate::geometry::{Body, Direction, Geodetic, Local, Position, Rotation};
-use crate::terrain::{Face, Gnomonic};
-use glam::{DMat3, DVec3};
-
-/// What a tile states and what a new trace finds.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
-    pub header: Header,
-    /// Errors of the decoded series at the pixels asked for.
-    pub found: ErrorStatistics,
-}
-
-impl Verification {
-    /// Whether the errors found are those stated, up to the scatter between samples of pixels.
-    pub fn confirms(&self) -> bool {
-        let (found, stated) = (self.found, self.header.errors.decoded);
-        let alike = |found: f64, stated: f64| found <= 2.0 * stated + 1e-5;
-        alike(found.rms_rad, stated.rms_rad) && alike(found.p95_rad, stated.p95_rad)
-    }
-}
-
-/// Traces `pixels` of a tile anew. The tile must have been made from these heights.
-pub fn verify(body: &Body, face: &Face, level: usize, path: &Path, pixels: usize) -> Result<Verification, Error> {
-    let (header, map) = store::read(path)?;
-    let settings = header.settings;
-    let expected = Key::of(body, face, level, &settings, header.encoding);
-    if header.key != expected {
-        let (got, expected) = (header.key.as_str().into(), expected.as_str().into());
-        return Err(Error::OtherKey { path: path.into(), got, expected });
-    }
-    let nodes = &face.levels[level];
-    let tracer = Tracer::without_finer(face, level, &settings);
-    let errors = |&[column, row]: &[usize; 2]| {
-        let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
-        let series = map.horizon(DVec2::new(column as f64, row as f64));
-        let error = |azimuth: usize| {
-            let direction = settings.direction(azimuth);
-            series.evaluate_towards(direction).0 - tracer.skyline(foot, direction).elevation_rad
-        };
-        (0..settings.azimuths).map(error).collect::<Vec<_>>()
-    };
-    let sample = Sample::of(nodes, pixels, settings.azimuths);
-    let errors: Vec<_> = sample.pixels.par_iter().map(errors).collect();
-    Ok(Verification { header, found: ErrorStatistics::of(errors.into_iter().flatten()) })
-}
+use crate::terrain::Gnomonic;
 
 /// A place on a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]

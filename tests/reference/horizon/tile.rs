@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use perilune::geometry::Body;
 use perilune::horizon::build::Builder;
-use perilune::horizon::inspect::{self, Place};
+use perilune::horizon::inspect::Place;
 use perilune::horizon::store::{self, Key};
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{Encoding, Error, Settings, build, open_or_build};
@@ -191,21 +191,6 @@ fn an_interrupted_build_goes_on_to_the_same_bytes() {
         assert_eq!(fs::read_dir(broken.path()).unwrap().count(), 1, "the checkpoint is gone");
         fs::remove_file(path(broken.path())).unwrap();
     }
-}
-
-#[test]
-fn a_tile_is_verified_against_its_own_heights_only() {
-    let directory = tempfile::tempdir().unwrap();
-    let (body, mut face) = (Body::moon(), cratered(65, 20.0, 1));
-    build(&body, &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
-    let path = store::path_for(directory.path(), &Key::of(&body, &face, 0, &settings(), Encoding::Fm16));
-    let verification = inspect::verify(&body, &face, 0, &path, 100).unwrap();
-    assert!(verification.confirms(), "{verification:?}");
-    let mut worse = verification.clone();
-    worse.header.errors.decoded.rms_rad /= 3.0;
-    assert!(!worse.confirms());
-    face.levels[0].heights_m[9] += 5.0;
-    assert!(matches!(inspect::verify(&body, &face, 0, &path, 10), Err(Error::OtherKey { .. })));
 }
 
 /// Skyline of a place by latitude and longitude, decoded and traced, azimuth from north.
