@@ -138,10 +138,11 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
 /// The scene that a renderer reads, with its shadows.
 pub fn scene(
     scenario: &Scenario,
-    ground: &mut ground::Ground,
+    prepared: &mut Prepared,
     cache: &Path,
     progress: &dyn Progress,
 ) -> Result<Scene, Error> {
+    let Prepared { ground, exposures, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
         Albedo::Map(path) => Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?),
@@ -150,6 +151,7 @@ pub fn scene(
         azimuths: scenario.horizon.azimuths as usize,
         search_m: scenario.horizon.search_m,
         observer_height_m: scenario.horizon.observer_height_m,
+        band: None,
     };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
@@ -157,6 +159,7 @@ pub fn scene(
         scenario::Shadows::Fourier => {
             let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
             let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+            let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
             let silent = |_: &ground::Tile| Ok::<_, Error>(());
             Shadows::Fourier(ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)?)
         }
@@ -185,7 +188,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let mut prepared = prepare(scenario, &options.cache, progress)?;
     seconds.terrain = lap(start);
     let start = Instant::now();
-    let scene = scene(scenario, &mut prepared.ground, &options.cache, progress)?;
+    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
 
     let mut passes = gpu.as_ref().map(Passes::new);

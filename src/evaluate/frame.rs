@@ -60,7 +60,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     stages.rows.push(vec!["kernels, terrain, poses".into(), lap(clock).into()]);
     for stage in ["horizons, built or read", "horizons, read again"] {
         let clock = Instant::now();
-        pipeline::scene(scenario, &mut prepared.ground, &options.cache, progress)?;
+        pipeline::scene(scenario, &mut prepared, &options.cache, progress)?;
         stages.rows.push(vec![stage.into(), lap(clock).into()]);
     }
 
@@ -70,7 +70,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         sized.camera.samples_per_pixel = scenario.camera.samples_per_pixel;
         for quantities in [vec![Quantity::Radiance], scenario.outputs.planes.clone()] {
             sized.outputs.planes = quantities;
-            let scene = pipeline::scene(&sized, &mut prepared.ground, &options.cache, &pipeline::Silent)?;
+            let scene = pipeline::scene(&sized, &mut prepared, &options.cache, &pipeline::Silent)?;
             let mut passes = gpu.as_ref().map(Passes::new);
             let mut reference = Reference;
             let renderer: &mut dyn Renderer = match &mut passes {

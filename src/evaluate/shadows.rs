@@ -112,7 +112,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
     }
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
-    let scene = pipeline::scene(&scenario, &mut prepared.ground, &options.cache, progress)?;
+    let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();
     let (truth, trials) = render_all(scene, &view, traced_settings(&scenario), progress)?;
     let ground: Vec<bool> = truth
@@ -132,6 +132,7 @@ fn traced_settings(scenario: &Scenario) -> crate::horizon::Settings {
         azimuths: scenario.horizon.azimuths as usize,
         search_m: scenario.horizon.search_m,
         observer_height_m: scenario.horizon.observer_height_m,
+        band: None,
     }
 }
 

@@ -9,6 +9,8 @@
 //! |m₁ − m₂| ≤ 5 √(s₁²/n₁ + s₂²/n₂)
 //! ```
 //!
+//! In a tile with a band of elevations, decoded and traced skylines beyond it count as its ends, as they do in the header.
+//!
 //! Five deviations, since errors crowd at cliffs: their squares are far from a normal distribution.
 //!
 //! # References
@@ -70,9 +72,10 @@ pub fn verify(face: &Face, level: usize, header: &Header, map: &HorizonMap, pixe
     let errors_rad = |&[column, row]: &[usize; 2]| -> Vec<f64> {
         let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
         let series = map.horizon(DVec2::new(column as f64, row as f64));
+        let relevant = |elevation_rad| settings.relevant_rad(&face.map, foot.truncate(), elevation_rad);
         let error_rad = |azimuth: usize| {
             let direction = settings.direction(azimuth);
-            series.evaluate_towards(direction).0 - tracer.skyline(foot, direction).elevation_rad
+            relevant(series.evaluate_towards(direction).0) - relevant(tracer.skyline(foot, direction).elevation_rad)
         };
         (0..settings.azimuths).map(error_rad).collect()
     };

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use super::band::Ends;
 use super::checkpoint::Checkpoint;
 use super::error::{Error, TileErrors};
 use super::fit::{Accumulator, Plane};
@@ -115,7 +116,7 @@ pub struct Builder<'a> {
     order: Vec<usize>,
     along_rows: usize,
     state: State,
-    sweep: Option<(Major, Sweep<'a>)>,
+    sweep: Option<(Major, Sweep<'a>, Option<Ends>)>,
 }
 
 impl<'a> Builder<'a> {
@@ -161,14 +162,16 @@ impl<'a> Builder<'a> {
             self.state.sums.transpose();
         }
         let (face, level, settings) = (self.face, self.level, &self.settings);
-        if self.sweep.as_ref().is_none_or(|(prepared, _)| *prepared != major) {
-            self.sweep = Some((major, Sweep::new(face, level, major, settings)));
+        if self.sweep.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
+            let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[level], major));
+            self.sweep = Some((major, Sweep::new(face, level, major, settings), ends));
         }
-        let Some((_, sweep)) = &self.sweep else { return };
-        let plane = |&azimuth: &usize| Plane {
-            azimuth,
-            stride: sweep.receivers.stride,
-            elevations_rad: sweep.elevations_rad(settings.direction(azimuth)),
+        let Some((_, sweep, ends)) = &self.sweep else { return };
+        let plane = |&azimuth: &usize| {
+            let elevations_rad = sweep.elevations_rad(settings.direction(azimuth));
+            let mut plane = Plane { azimuth, stride: sweep.receivers.stride, elevations_rad };
+            ends.iter().for_each(|ends| ends.clamp(&mut plane));
+            plane
         };
         let planes: Vec<_> = block.par_iter().map(plane).collect();
         self.state.sums.add(&planes);

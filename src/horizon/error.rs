@@ -84,7 +84,8 @@ fn short(value: f64) -> f64 {
     format!("{value:.3e}").parse().expect("a number printed is a number")
 }
 
-/// The errors of a tile against traced horizons, over all azimuths of a stated number of pixels.
+/// The errors of a tile against traced horizons, over all azimuths of a stated number of pixels. In a tile with a
+/// band, decoded, swept and traced elevations beyond it count as its ends: the errors are those that a light can show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileErrors {
     pub pixels: usize,

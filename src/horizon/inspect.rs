@@ -49,6 +49,11 @@ impl Place {
         map.horizon(self.grid).evaluate_towards(self.direction(header, azimuth_rad)).0
     }
 
+    /// What of an elevation the tile's band lets matter.
+    pub fn relevant_rad(&self, header: &Header, elevation_rad: f64) -> f64 {
+        header.settings.relevant_rad(&gnomonic(&header.map), self.at_m, elevation_rad)
+    }
+
     /// The traced skyline, from the heights that the tile was made from.
     pub fn traced(&self, header: &Header, tracer: &Tracer, azimuth_rad: f64) -> Option<Skyline> {
         Some(tracer.skyline(tracer.foot(self.at_m)?, self.direction(header, azimuth_rad)))

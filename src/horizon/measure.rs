@@ -48,18 +48,21 @@ impl Sample {
     }
 }
 
-/// Errors of swept profiles and of the map's decoded series, at the sampled pixels and all azimuths.
+/// Errors of swept profiles and of the map's decoded series, at the sampled pixels and all azimuths. Where the
+/// settings have a band, elevations beyond it count as its ends.
 pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, map: &HorizonMap) -> TileErrors {
     let nodes = &face.levels[level];
     let tracer = Tracer::without_finer(face, level, settings);
     let errors = |(i, [column, row]): (usize, &[usize; 2])| {
         let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
         let series = map.horizon(DVec2::new(*column as f64, *row as f64));
+        let relevant = |elevation_rad| settings.relevant_rad(&face.map, foot.truncate(), elevation_rad);
         let swept = &sample.elevations_rad[i * settings.azimuths..(i + 1) * settings.azimuths];
         let error = |azimuth: usize| {
             let direction = settings.direction(azimuth);
-            let traced_rad = tracer.skyline(foot, direction).elevation_rad;
-            (f64::from(swept[azimuth]) - traced_rad, series.evaluate_towards(direction).0 - traced_rad)
+            let traced_rad = relevant(tracer.skyline(foot, direction).elevation_rad);
+            let decoded_rad = relevant(series.evaluate_towards(direction).0);
+            (f64::from(swept[azimuth]) - traced_rad, decoded_rad - traced_rad)
         };
         (0..settings.azimuths).map(error).collect::<Vec<_>>()
     };

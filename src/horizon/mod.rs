@@ -13,6 +13,7 @@
 //! The surface is bilinear in lifted height between the nodes of the finest level that covers a point. Gaps do not occlude. Beyond the
 //! last level lies the bare sphere, lowered to the feet of an observer who stands below it.
 
+pub mod band;
 pub mod build;
 pub mod checkpoint;
 pub mod error;
@@ -31,6 +32,7 @@ pub mod trace;
 /// Function `horizon_elevation`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
 pub const SERIES_WGSL: &str = include_str!("series.wgsl");
 
+pub use band::Band;
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
 pub use pack::{Encoding, HorizonMap, Texels};

@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use super::band::Band;
+use crate::terrain::Gnomonic;
+
 /// How horizons are searched. All of it shapes the result and is part of a tile's key.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -16,11 +19,14 @@ pub struct Settings {
     pub search_m: Option<f64>,
     /// Height of the observer above the ground, along the vertical.
     pub observer_height_m: f64,
+    /// The elevations that matter: horizons beyond them are moved to their ends before they are compressed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<Band>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { azimuths: 360, search_m: None, observer_height_m: 0.0 }
+        Self { azimuths: 360, search_m: None, observer_height_m: 0.0, band: None }
     }
 }
 
@@ -33,6 +39,11 @@ impl Settings {
     /// Unit map direction of a sample.
     pub fn direction(&self, index: usize) -> DVec2 {
         direction(self.azimuth_rad(index))
+    }
+
+    /// What of an elevation at a map point matters: itself, or the end of the band that it lies beyond.
+    pub fn relevant_rad(&self, map: &Gnomonic, at_m: DVec2, elevation_rad: f64) -> f64 {
+        self.band.map_or(elevation_rad, |band| band.clamp(map, at_m, elevation_rad))
     }
 
     pub(super) fn search_limit_m(&self) -> f64 {

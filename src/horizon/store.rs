@@ -24,6 +24,7 @@ use tiff::encoder::colortype::ColorType;
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 use tiff::tags::{ExtraSamples, PhotometricInterpretation, SampleFormat, Tag};
 
+use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
 use super::pack::{Encoding, HorizonMap, Texels};
@@ -55,6 +56,10 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
         hash.update([encoding as u8]);
+        if let Some(Band { towards, reach_rad }) = settings.band {
+            hash.update(b"band");
+            hash.update(cast_slice::<f64, u8>(&[towards[0], towards[1], towards[2], reach_rad]));
+        }
         for level in &face.levels[level..] {
             hash.update(level_hash(level));
         }

@@ -7,6 +7,7 @@ use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
 use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
+use crate::horizon::Band;
 use crate::render::{Light, View};
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
 use crate::terrain::Surface;
@@ -54,6 +55,14 @@ pub fn outcomes(
         Ok(Exposure { epoch, sun, view })
     };
     Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
+}
+
+/// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
+/// None under earthshine: the Earth stands elsewhere.
+pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<Band> {
+    let suns: Vec<_> = exposures.iter().map(|e| (e.sun.direction, e.sun.angular_radius_rad)).collect();
+    let wanted = scenario.horizon.band && scenario.earthshine_albedo.is_none();
+    if wanted { Band::about(&suns) } else { None }
 }
 
 /// A source seen from `reference`, at its apparent place.

@@ -66,6 +66,8 @@ pub struct Horizon {
     pub search_m: Option<f64>,
     pub observer_height_m: f64,
     pub encoding: Encoding,
+    /// Whether horizons are clamped to the elevations that the Sun's disc reaches in the exposures.
+    pub band: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]

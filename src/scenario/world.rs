@@ -117,14 +117,15 @@ fn posting_m(dem: &Dem) -> Option<f64> {
 
 pub fn horizon(written: &spec::Horizon) -> Horizon {
     match *written {
-        spec::Horizon::Settings { azimuths, search_m, observer_height_m, encoding } => {
-            Horizon { azimuths, search_m, observer_height_m, encoding }
+        spec::Horizon::Settings { azimuths, search_m, observer_height_m, encoding, band } => {
+            Horizon { azimuths, search_m, observer_height_m, encoding, band }
         }
         spec::Horizon::Auto => Horizon {
             azimuths: spec::DEFAULT_AZIMUTHS,
             search_m: None,
             observer_height_m: 0.0,
             encoding: spec::Encoding::default(),
+            band: true,
         },
     }
 }

@@ -60,7 +60,7 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let folder = tempfile::TempDir::new().unwrap();
     let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
     let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
-    let mut scene = pipeline::scene(&scenario, &mut prepared.ground, &cache, &Silent).unwrap();
+    let mut scene = pipeline::scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
     scene.shadows = Shadows::Traced(Default::default());
     let mut view = prepared.exposures[0].view.clone();
     let truth = Reference.samples(&scene, &view).unwrap().pixels;

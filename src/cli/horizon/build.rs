@@ -67,8 +67,12 @@ pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let ground = args.levels.ground(&args.dems, args.at, &bars)?;
     ground.resampling.iter().for_each(|line| bars.say(line));
-    let settings =
-        horizon::Settings { azimuths: args.azimuths, search_m: args.search, observer_height_m: args.observer_height };
+    let settings = horizon::Settings {
+        azimuths: args.azimuths,
+        search_m: args.search,
+        observer_height_m: args.observer_height,
+        band: None,
+    };
     let mut all = Vec::new();
     let finished = |tile: &Tile| -> Result<(), Box<dyn Error>> {
         bars.clear();

@@ -81,14 +81,16 @@ pub fn run(args: Args) -> Outcome {
     });
 
     let series = map.horizon(place.grid);
+    // Of the elevations beyond its band a tile keeps nothing.
+    let relevant = |elevation_rad| place.relevant_rad(&header, elevation_rad);
     let row = |azimuth: f64| {
         let direction = place.direction(&header, azimuth.to_radians());
         let skyline = tracer.as_ref().and_then(|tracer| place.traced(&header, tracer, azimuth.to_radians()));
         Row {
             azimuth,
             map_azimuth: direction.x.atan2(direction.y).rem_euclid(TAU).to_degrees(),
-            decoded: series.evaluate_towards(direction).0.to_degrees(),
-            traced: skyline.map(|skyline| skyline.elevation_rad.to_degrees()),
+            decoded: relevant(series.evaluate_towards(direction).0).to_degrees(),
+            traced: skyline.map(|skyline| relevant(skyline.elevation_rad).to_degrees()),
             distance_m: skyline.map(|skyline| skyline.distance_m),
         }
     };

@@ -143,6 +143,11 @@ pub enum Horizon {
         /// How the coefficients are stored.
         #[serde(default)]
         encoding: Encoding,
+        /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
+        /// its disc are moved nearer to it before they are compressed, so that cliffs disturb the skyline less where
+        /// the Sun stands. Horizons are then this scenario's own. Without effect where there is earthshine.
+        #[serde(default = "yes")]
+        band: bool,
     },
 }
 
@@ -151,6 +156,10 @@ pub const DEFAULT_AZIMUTHS: u32 = 360;
 
 fn default_azimuths() -> u32 {
     DEFAULT_AZIMUTHS
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// How horizon coefficients are stored.

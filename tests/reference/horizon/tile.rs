@@ -3,12 +3,14 @@
 use std::fs;
 use std::sync::Mutex;
 
-use perilune::geometry::Body;
+use glam::DVec3;
+use perilune::evaluate::verify;
+use perilune::geometry::{Body, Direction};
 use perilune::horizon::build::Builder;
 use perilune::horizon::inspect::Place;
 use perilune::horizon::store::{self, Key};
 use perilune::horizon::trace::Tracer;
-use perilune::horizon::{Encoding, Error, Settings, build, open_or_build};
+use perilune::horizon::{Band, Encoding, Error, Settings, build, open_or_build};
 
 use super::scene::cratered;
 
@@ -34,6 +36,33 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
         );
     }
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2, "nothing but the tiles is left behind");
+}
+
+/// About a light as high as that over the pole.
+fn band(elevation_rad: f64) -> Band {
+    let (sin, cos) = elevation_rad.sin_cos();
+    Band::about(&[(Direction::new(DVec3::new(cos, 0.0, -sin)).unwrap(), 0.004_65)]).unwrap()
+}
+
+/// In the shade of craters the skyline stands above the band, on their rims below it: all of that becomes exact.
+#[test]
+fn a_tile_with_a_band_errs_less_within_it_and_its_errors_can_be_verified() {
+    let directory = tempfile::tempdir().unwrap();
+    let face = cratered(101, 20.0, 1);
+    let settings = Settings { band: Some(band(0.03)), ..settings() };
+    let build_with = |settings: &Settings| {
+        build(&Body::moon(), &face, 0, settings, Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
+    };
+    let (clamped, whole) = (build_with(&settings), build_with(&Settings { band: None, ..settings }));
+    let key = Key::of(&Body::moon(), &face, 0, &settings, Encoding::Fm16);
+    let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
+    assert_eq!(header.settings, settings);
+    let found = verify(&face, 0, &header, &read, 64, 1);
+    assert!(found.repeats() && found.agrees(), "{found:?}");
+    // The whole skylines, judged within the band.
+    let of_whole = verify(&face, 0, &header, &whole, 64, 1);
+    assert!(!of_whole.repeats());
+    assert!(clamped.errors.decoded.rms_rad < of_whole.repeated.rms_rad, "{:?} {of_whole:?}", clamped.errors);
 }
 
 #[test]
@@ -62,6 +91,8 @@ fn everything_that_shapes_a_tile_changes_its_key() {
         Settings { azimuths: 41, ..settings() },
         Settings { observer_height_m: 2.0, ..settings() },
         Settings { search_m: Some(1e4), ..settings() },
+        Settings { band: Some(band(0.03)), ..settings() },
+        Settings { band: Some(band(0.04)), ..settings() },
     ] {
         keys.push(Key::of(&Body::moon(), &face, 0, &settings, Encoding::Fm16));
     }
