@@ -10,6 +10,14 @@
 //! Fitted in place of `h`, a cliff's ringing shrinks from a share of its height to that share of the band. The vertical is the
 //! point's own: over a map of 370 km the Sun's elevation changes by 12°.
 //!
+//! It is no gain everywhere: a narrow peak cut to the band's height loses more to truncation than it rang before. Shadows
+//! by `fm16` against traced ones, without and with the band:
+//!
+//! | scene | Sun | agreement | RMS, full Sun | RMS in the penumbra |
+//! |---|---|---|---|---|
+//! | connecting ridge, 5 km within 100 km | 1.9° | 99.61, 99.60 % | 0.00132, 0.00124 | 0.0088, 0.0083 |
+//! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
+//!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun
 //! for hours grows with its arc, and the gain shrinks.

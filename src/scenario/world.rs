@@ -125,7 +125,7 @@ pub fn horizon(written: &spec::Horizon) -> Horizon {
             search_m: None,
             observer_height_m: 0.0,
             encoding: spec::Encoding::default(),
-            band: true,
+            band: false,
         },
     }
 }

@@ -144,9 +144,10 @@ pub enum Horizon {
         #[serde(default)]
         encoding: Encoding,
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
-        /// its disc are moved nearer to it before they are compressed, so that cliffs disturb the skyline less where
-        /// the Sun stands. Horizons are then this scenario's own. Without effect where there is earthshine.
-        #[serde(default = "yes")]
+        /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
+        /// the Sun stands. Worth trying beside cliffs; on cratered terrain it gained nothing. Horizons are then
+        /// this scenario's own. Without effect where there is earthshine.
+        #[serde(default)]
         band: bool,
     },
 }
@@ -156,10 +157,6 @@ pub const DEFAULT_AZIMUTHS: u32 = 360;
 
 fn default_azimuths() -> u32 {
     DEFAULT_AZIMUTHS
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// How horizon coefficients are stored.
