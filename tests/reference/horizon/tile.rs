@@ -44,7 +44,7 @@ fn band(elevation_rad: f64) -> Band {
     Band::about(&[(Direction::new(DVec3::new(cos, 0.0, -sin)).unwrap(), 0.004_65)]).unwrap()
 }
 
-/// In the shade of craters the skyline stands above the band, on their rims below it: all of that becomes exact.
+/// In craters the skyline stands above the band, on their rims below it: none of that needs coefficients any more.
 #[test]
 fn a_tile_with_a_band_errs_less_within_it_and_its_errors_can_be_verified() {
     let directory = tempfile::tempdir().unwrap();
