@@ -10,8 +10,8 @@
 //! Fitted in place of `h`, a cliff's ringing shrinks from a share of its height to that share of the band. The vertical is the
 //! point's own: over a map of 370 km the Sun's elevation changes by 12°.
 //!
-//! It is no gain everywhere: a narrow peak cut to the band's height loses more to truncation than it rang before. Shadows
-//! by `fm16` against traced ones, without and with the band:
+//! It was no clear gain where it was measured, one exposure a scene; why, is not known. Shadows by `fm16` against traced
+//! ones, without and with the band:
 //!
 //! | scene | Sun | agreement | RMS, full Sun | RMS in the penumbra |
 //! |---|---|---|---|---|
@@ -33,8 +33,8 @@ use crate::geometry::{BodyFixed, Direction};
 use crate::terrain::{Gnomonic, Level};
 
 /// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the reach, so
-/// 0.27 radii would keep it off the disc, but a narrow peak that is cut low sinks into the disc: on the connecting ridge
-/// the RMS error of the irradiance was 1.40, 1.20, 1.01, 0.93, 0.97, 1.10 of that without a band at 0.5, 1, 2, 4, 8, 16 radii.
+/// 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge the RMS
+/// error of the irradiance was 1.40, 1.20, 1.01, 0.93, 0.97, 1.10 of that without a band at 0.5, 1, 2, 4, 8, 16 radii.
 const MARGIN_RADII: f64 = 4.0;
 
 /// The middle and the reach are rounded to this, so that a header reads back as itself and other machines find the tile.

@@ -145,7 +145,7 @@ pub enum Horizon {
         encoding: Encoding,
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
         /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
-        /// the Sun stands. Worth trying beside cliffs; on cratered terrain it gained nothing. Horizons are then
+        /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
         /// this scenario's own. Without effect where there is earthshine.
         #[serde(default)]
         band: bool,
