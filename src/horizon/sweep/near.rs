@@ -14,6 +14,9 @@
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
 
+/// Major steps within which cells are searched between their crossings.
+const INSIDE: f64 = 8.0;
+
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
@@ -36,6 +39,8 @@ struct Crossing {
 #[derive(Debug)]
 pub struct Stencil {
     crossings: Vec<Crossing>,
+    /// How many of them have the inside of the cell before them searched.
+    inside: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -55,7 +60,8 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        Self { crossings, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        let inside = steps.partition_point(|step| *step <= INSIDE).max(1).min(steps.len());
+        Self { crossings, inside, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -103,7 +109,8 @@ pub fn slopes(
         // A gap's own height is filled.
         before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
     }
-    for (order, crossing) in stencil.crossings.iter().enumerate() {
+    let (inside, outside) = stencil.crossings.split_at(stencil.inside);
+    for (order, crossing) in inside.iter().enumerate() {
         let a = lanes(heights_m, at, crossing.nodes[0]);
         let b = lanes(heights_m, at, crossing.nodes[1]);
         let twist = lanes(twists_m, at, crossing.cell);
@@ -120,6 +127,15 @@ pub fn slopes(
             let inner = if own { c1 } else { inner };
             best[i] = larger(larger(best[i], here * crossing.inverse), inner);
             before[i] = here;
+        }
+    }
+    for crossing in outside {
+        let a = lanes(heights_m, at, crossing.nodes[0]);
+        let b = lanes(heights_m, at, crossing.nodes[1]);
+        let [share_a, share_b] = crossing.shares;
+        for i in 0..LANES {
+            let rise_m = share_a * a[i] + share_b * b[i] - observers_m[i];
+            best[i] = larger(best[i], rise_m * crossing.inverse);
         }
     }
     best
