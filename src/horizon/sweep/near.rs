@@ -9,12 +9,13 @@
 //! ```
 //!
 //! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
-//! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
+//! Only cells within [`INSIDE`] steps are searched so. In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
 
-/// Major steps within which cells are searched between their crossings.
+/// Major steps within which cells are searched between their crossings. A bulge of fixed height lifts a skyline by its share
+/// of the distance: beyond 8 steps that is part of the p99 of 0.006° that [`super`] states.
 const INSIDE: f64 = 8.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
