@@ -34,7 +34,7 @@ use crate::horizon;
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Renderer, Scene, Shadows};
+use crate::render::{DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Scenario};
 
 /// How to run a scenario.
@@ -183,6 +183,10 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let gpu = open_adapter(options.adapter, scenario, progress)?;
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
+    if let Some(gpu) = &gpu {
+        let horizons = scenario.shadows == scenario::Shadows::Fourier;
+        DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
+    }
     seconds.terrain = lap(start);
     let start = Instant::now();
     let scene = scene(scenario, &mut prepared.ground, &options.cache, progress)?;

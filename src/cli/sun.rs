@@ -167,7 +167,7 @@ const COLUMNS: [&str; 9] = [
 
 fn table_header() -> String {
     format!(
-        "{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>13}{:>11}{:>15}\n{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>13}{:>11}{:>15}",
+        "{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>15}{:>11}{:>15}\n{:<24}{:>12}{:>11}{:>12}{:>11}{:>10}{:>15}{:>11}{:>15}",
         "epoch",
         "Sun azimuth",
         "elevation",
@@ -236,7 +236,7 @@ impl Row {
         let [az, el, diameter, au, irradiance, earth_az, earth_el, km] = self.numbers();
         let epoch = utc_text(self.epoch);
         format!(
-            "{epoch:<24}{az:>12.5}{el:>11.5}{diameter:>12.3}{au:>11.7}{irradiance:>10.3}{earth_az:>13.5}{earth_el:>11.5}{km:>15.3}"
+            "{epoch:<24}{az:>12.5}{el:>11.5}{diameter:>12.3}{au:>11.7}{irradiance:>10.3}{earth_az:>15.5}{earth_el:>11.5}{km:>15.3}"
         )
     }
 }

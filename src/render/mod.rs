@@ -8,18 +8,22 @@ pub mod image;
 pub mod layout;
 pub mod passes;
 pub mod planes;
+mod rays;
 pub mod reference;
+mod upload;
 pub mod view;
 
 pub use image::{Image, Plane, Quantity};
 pub use planes::Samples;
+pub use upload::DeviceGround;
 pub use view::{Light, Scene, Shadows, View};
 
 use std::time::Duration;
 
 use crate::gpu::GpuError;
 
-/// A way to render a scene, one view after the other.
+/// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
+/// view on: another scene, or another number of lights, wants another renderer.
 pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;

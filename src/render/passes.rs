@@ -14,24 +14,17 @@ use wgpu::{Buffer, ComputePipeline};
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{RenderError, Renderer, Scene, Shadows, View};
+use super::rays::Band;
+use super::upload::{DeviceGround, PackedLevel};
+use super::{RenderError, Renderer, Scene, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::horizon::{Encoding, HorizonMap, SERIES_WGSL};
+use crate::horizon::SERIES_WGSL;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
-use crate::terrain::{Face, Ground, Hit, Level, Pyramid, Surface};
+use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
 pub const SHADER: &str = concat!(include_str!("passes.wgsl"), include_str!("../terrain/surface.wgsl"));
-
-/// Gradients of nodes without heights; the shader takes slopes this steep for gaps.
-const GAP_SLOPE: f32 = 1e30;
-
-/// The shader takes rays beyond 1e20 for none.
-const NO_RAY: f32 = 1e30;
-
-/// Rays in one dispatch, at most: 32 MiB of directions.
-const RAYS_AT_ONCE: usize = 4 << 20;
 
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
@@ -50,30 +43,8 @@ struct Prepared {
     pipeline: ComputePipeline,
     reflectance: Buffer,
     disk_tables: Buffer,
-    heights: Buffer,
-    /// In two pages.
-    gradients: [Buffer; 2],
-    maxima: Buffer,
-    /// Horizon maps, in pages.
-    texels: [Buffer; PAGES],
-    albedos: Buffer,
-    levels: Vec<Packed>,
-    /// Directions of the rays, in bands of whole pixels.
+    ground: DeviceGround,
     bands: Vec<Band>,
-}
-
-/// A level as the shader knows it, and where it comes from.
-#[derive(Debug)]
-struct Packed {
-    shader: MapLevel,
-    face: usize,
-    level: usize,
-}
-
-#[derive(Debug)]
-struct Band {
-    pixels: usize,
-    rays: Buffer,
 }
 
 /// What the device made of a view.
@@ -115,42 +86,24 @@ impl Renderer for Passes<'_> {
 
 impl Prepared {
     fn new(gpu: &Gpu, scene: &Scene, view: &View) -> Result<Self, RenderError> {
-        let horizons = match &scene.shadows {
-            Shadows::None => None,
-            Shadows::Fourier(maps) => Some(maps),
-            Shadows::Traced(_) => return Err(RenderError::TracedOnGpu),
-        };
-        let mut store = Store::default();
-        for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
-            for level in 0..levels.levels.len() {
-                let horizon = horizons.map(|maps| &maps[face][level]);
-                let albedo = scene.albedo.as_ref().map(|maps| maps[face][level].as_slice());
-                store.add(&scene.surface, face, level, horizon, albedo);
-            }
-        }
+        let ground = DeviceGround::new(gpu, scene)?;
         let offsets = scene.sample_offsets();
         // Where a sample goes through the centre it serves for both.
         let central = offsets.iter().position(|offset| *offset == DVec2::ZERO);
         let extra = scene.needs_centres() && central.is_none();
         let rays_per_pixel = offsets.len() + usize::from(extra);
         let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
-        let page_bits = self::page_bits::<[u32; 4]>(gpu);
-        let gradient_page_bits = self::page_bits::<[f32; 2]>(gpu);
         let mut constants = vec![
-            ("PAGES", pages_needed(&store.texels, page_bits)? as f64),
-            ("PAGE_BITS", f64::from(page_bits)),
-            ("GRADIENT_PAGE_BITS", f64::from(gradient_page_bits)),
-            ("MORE_GRADIENTS", f64::from(u8::from(store.gradients.len() > 1 << gradient_page_bits))),
             ("RAYS", rays_per_pixel as f64),
             ("SAMPLES", offsets.len() as f64),
             ("CENTRE", centre as f64),
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
+        constants.extend(ground.constants);
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
         let mut points = offsets;
         if extra {
@@ -160,13 +113,8 @@ impl Prepared {
             pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
             reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
-            heights: checked(gpu, "lifted heights", &store.heights_m)?,
-            gradients: gradient_pages(gpu, &store.gradients, gradient_page_bits)?,
-            maxima: checked(gpu, "maxima", &store.maxima_m)?,
-            texels: pages(gpu, &store.texels, page_bits),
-            albedos: checked(gpu, "albedos", &store.albedos)?,
-            levels: store.levels,
-            bands: bands(gpu, scene, &points),
+            ground,
+            bands: Band::all(gpu, scene, &points),
         })
     }
 
@@ -174,7 +122,7 @@ impl Prepared {
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
-        let levels: Vec<MapLevel> = self.levels.iter().map(|level| level.centred(scene, view)).collect();
+        let levels: Vec<MapLevel> = self.ground.levels.iter().map(|level| level.centred(scene, view)).collect();
         let lights = lights(scene, view);
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
@@ -191,18 +139,18 @@ impl Prepared {
                 &lights,
                 &self.reflectance,
                 &self.disk_tables,
-                &self.heights,
-                &self.gradients[0],
-                &self.maxima,
-                &self.albedos,
+                &self.ground.heights,
+                &self.ground.gradients[0],
+                &self.ground.maxima,
+                &self.ground.albedos,
                 &band.rays,
                 &pixels_out,
                 &centres_out,
-                &self.texels[0],
-                &self.texels[1],
-                &self.texels[2],
-                &self.texels[3],
-                &self.gradients[1],
+                &self.ground.texels[0],
+                &self.ground.texels[1],
+                &self.ground.texels[2],
+                &self.ground.texels[3],
+                &self.ground.gradients[1],
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.
@@ -218,7 +166,7 @@ impl Prepared {
     }
 
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
-        let first_level = self.levels.iter().position(|level| level.face == index).unwrap_or(0);
+        let first_level = self.ground.levels.iter().position(|level| level.face == index).unwrap_or(0);
         MapFace::new(view, face, first_level, scene.surface.terrain.faces.len() == 1)
     }
 
@@ -234,7 +182,7 @@ impl Prepared {
         let terrain = &scene.surface.terrain;
         match centre.ground {
             CentreOut::DEM => {
-                let &Packed { face, level, ref shader } = &self.levels[centre.level as usize];
+                let &PackedLevel { face, level, ref shader } = &self.ground.levels[centre.level as usize];
                 let grid_level = &terrain.faces[face].levels[level];
                 let cell = DVec2::new(f64::from(centre.cell % shader.columns), f64::from(centre.cell / shader.columns));
                 let grid = cell + DVec2::from(centre.fraction.map(f64::from)) + grid_level.margin as f64;
@@ -269,88 +217,6 @@ impl From<&PixelOut> for Radiometry {
     }
 }
 
-/// The terrain's numbers in the shader's order: the seen parts of all levels, one after the other.
-#[derive(Debug, Default)]
-struct Store {
-    levels: Vec<Packed>,
-    heights_m: Vec<f32>,
-    gradients: Vec<[f32; 2]>,
-    maxima_m: Vec<f32>,
-    texels: Vec<[u32; 4]>,
-    albedos: Vec<f32>,
-}
-
-impl Store {
-    fn add(
-        &mut self,
-        surface: &Surface,
-        face: usize,
-        level: usize,
-        horizon: Option<&HorizonMap>,
-        albedo: Option<&[f32]>,
-    ) {
-        let full = &surface.terrain.faces[face].levels[level];
-        let seen = full.seen();
-        let pyramid = if full.margin == 0 { &surface.pyramids[face][level] } else { &Pyramid::new(&seen) };
-        let mut shader = MapLevel::new(&seen, face);
-        shader.heights_offset = self.heights_m.len() as u32;
-        shader.maxima_offset = self.maxima_m.len() as u32;
-        shader.mips = pyramid.mips.len() as u32;
-        self.heights_m.extend(&seen.heights_m);
-        self.gradients.extend(gradients(full));
-        self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
-        if let Some(albedo) = albedo {
-            let seen = full.margin..full.rows - full.margin;
-            let cut = |row: usize| full.index(full.margin, row)..full.index(full.columns - full.margin, row);
-            self.albedos.extend(seen.flat_map(|row| &albedo[cut(row)]));
-        }
-        if let Some(map) = horizon {
-            shader.has_horizon = 1;
-            shader.horizon_halving = u32::from(map.encoding == Encoding::Fm16);
-            for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
-                *offset = self.texels.len() as u32;
-                self.texels.extend(&texels.texels);
-            }
-        }
-        self.levels.push(Packed { shader, face, level });
-    }
-}
-
-impl Packed {
-    /// The level with its grid counted from the camera's cell.
-    fn centred(&self, scene: &Scene, view: &View) -> MapLevel {
-        let face = &scene.surface.terrain.faces[self.face];
-        let Some(lifted) = MapFace::direct_start(&face.map, view.camera_position) else { return self.shader };
-        let level = &face.levels[self.level];
-        self.shader.about(level.grid_from_map(lifted.truncate()) - level.margin as f64)
-    }
-}
-
-/// A binding holds at least one element; a scene without maps reads none of them.
-fn never_empty<T: bytemuck::Zeroable>(mut values: Vec<T>) -> Vec<T> {
-    if values.is_empty() {
-        values.push(T::zeroed());
-    }
-    values
-}
-
-/// Gradients of the seen nodes; those without heights of their own are marked.
-fn gradients(level: &Level) -> Vec<[f32; 2]> {
-    use rayon::prelude::*;
-    let rows = level.margin..level.rows - level.margin;
-    rows.into_par_iter()
-        .flat_map_iter(|row| {
-            (level.margin..level.columns - level.margin).map(move |column| {
-                if level.gap[level.index(column, row)] {
-                    [GAP_SLOPE; 2]
-                } else {
-                    level.gradient(column, row).as_vec2().to_array()
-                }
-            })
-        })
-        .collect()
-}
-
 /// Lights by map, and by body last.
 fn lights(scene: &Scene, view: &View) -> Vec<LightParameters> {
     let of_frame = |vector: &dyn Fn(Position<BodyFixed>) -> DVec3| -> Vec<LightParameters> {
@@ -360,70 +226,10 @@ fn lights(scene: &Scene, view: &View) -> Vec<LightParameters> {
     maps.chain(of_frame(&|position| position.vector_m())).collect()
 }
 
-fn bands(gpu: &Gpu, scene: &Scene, points: &[DVec2]) -> Vec<Band> {
-    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
-    let rows_at_once = (RAYS_AT_ONCE / (points.len() * columns)).clamp(1, rows);
-    (0..rows)
-        .step_by(rows_at_once)
-        .map(|first| {
-            let until = (first + rows_at_once).min(rows);
-            let rays = directions(scene, first..until, points);
-            Band { pixels: (until - first) * columns, rays: gpu.storage("rays", &rays) }
-        })
-        .collect()
-}
-
-/// `x/z, y/z` of each ray, pixel by pixel; `NO_RAY` where the optics see nothing.
-fn directions(scene: &Scene, rows: std::ops::Range<usize>, points: &[DVec2]) -> Vec<[f32; 2]> {
-    use rayon::prelude::*;
-    rows.into_par_iter()
-        .flat_map_iter(|row| {
-            (0..scene.optics.columns).flat_map(move |column| {
-                points.iter().map(move |offset| {
-                    let pixel = DVec2::new(column as f64, row as f64) + *offset;
-                    scene.optics.direction(pixel).map_or([NO_RAY; 2], |direction| {
-                        let d = direction.unit();
-                        [(d.x / d.z) as f32, (d.y / d.z) as f32]
-                    })
-                })
-            })
-        })
-        .collect()
-}
-
-/// Most bindings of horizon maps, as in the shader.
-const PAGES: usize = 4;
-
-/// Elements of a page, as a power of two, that the adapter takes in one binding.
-fn page_bits<T>(gpu: &Gpu) -> u32 {
-    (gpu.device.limits().max_storage_buffer_binding_size / size_of::<T>() as u64).ilog2().min(31)
-}
-
-fn gradient_pages(gpu: &Gpu, gradients: &[[f32; 2]], page_bits: u32) -> Result<[Buffer; 2], RenderError> {
-    let (first, more) = gradients.split_at(gradients.len().min(1 << page_bits));
-    Ok([checked(gpu, "gradients", first)?, checked(gpu, "gradients", more)?])
-}
-
-fn pages_needed(texels: &[[u32; 4]], page_bits: u32) -> Result<usize, RenderError> {
-    let pages = texels.len().div_ceil(1 << page_bits).max(1);
-    if pages > PAGES {
-        let bytes = |texels: usize| (texels * size_of::<[u32; 4]>()) as u64;
-        let (needed_mib, allowed_mib) = (bytes(texels.len()) >> 20, bytes(PAGES << page_bits) >> 20);
-        return Err(RenderError::BufferTooLarge { what: "horizon maps", needed_mib, allowed_mib });
+/// A binding holds at least one element; a scene without maps reads none of them.
+fn never_empty<T: bytemuck::Zeroable>(mut values: Vec<T>) -> Vec<T> {
+    if values.is_empty() {
+        values.push(T::zeroed());
     }
-    Ok(pages)
-}
-
-fn pages(gpu: &Gpu, texels: &[[u32; 4]], page_bits: u32) -> [Buffer; PAGES] {
-    let mut chunks = texels.chunks(1 << page_bits);
-    std::array::from_fn(|_| gpu.storage("horizon maps", chunks.next().unwrap_or(&[])))
-}
-
-fn checked<T: bytemuck::Pod>(gpu: &Gpu, what: &'static str, values: &[T]) -> Result<Buffer, RenderError> {
-    let needed = size_of_val(values) as u64;
-    let allowed = gpu.device.limits().max_storage_buffer_binding_size;
-    if needed > allowed {
-        return Err(RenderError::BufferTooLarge { what, needed_mib: needed >> 20, allowed_mib: allowed >> 20 });
-    }
-    Ok(gpu.storage(what, values))
+    values
 }

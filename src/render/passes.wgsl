@@ -117,6 +117,15 @@ struct Facet {
     gap: bool,
 }
 
+// A direction in camera axes turned into body-fixed ones.
+fn body_direction(camera_d: vec3f) -> vec3f {
+    return vec3f(
+        dot(view.from_camera_x.xyz, camera_d),
+        dot(view.from_camera_y.xyz, camera_d),
+        dot(view.from_camera_z.xyz, camera_d),
+    );
+}
+
 fn first_hit(camera_d: vec3f, body_d: vec3f) -> SurfaceHit {
     var nearest = no_hit();
     for (var face = 0u; face < FACES; face++) {
@@ -130,8 +139,7 @@ fn first_hit(camera_d: vec3f, body_d: vec3f) -> SurfaceHit {
         var covered = false;
         for (var face = 0u; face < FACES; face++) {
             let map = map_faces[face];
-            let d = vec3f(dot(map.from_camera_x.xyz, camera_d), dot(map.from_camera_y.xyz, camera_d), dot(map.from_camera_z.xyz, camera_d));
-            covered = covered || is_covered(map, map.camera_m.xyz + bare_m * d);
+            covered = covered || is_covered(map, map.camera_m.xyz + bare_m * map_direction(map, camera_d));
         }
         if !covered {
             nearest = SurfaceHit(BARE, 0u, vec2i(0), vec2f(0.0), bare_m);
@@ -257,7 +265,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             continue;
         }
         let camera_d = normalize(vec3f(plane_d, 1.0));
-        let body_d = vec3f(dot(view.from_camera_x.xyz, camera_d), dot(view.from_camera_y.xyz, camera_d), dot(view.from_camera_z.xyz, camera_d));
+        let body_d = body_direction(camera_d);
         var hit = first_hit(camera_d, body_d);
         var facet: Facet;
         if hit.ground == DEM {
@@ -282,8 +290,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         var to_camera = -body_d;
         if facet.frame < FACES {
-            let map = map_faces[facet.frame];
-            to_camera = -vec3f(dot(map.from_camera_x.xyz, camera_d), dot(map.from_camera_y.xyz, camera_d), dot(map.from_camera_z.xyz, camera_d));
+            to_camera = -map_direction(map_faces[facet.frame], camera_d);
         }
         let sample = shade(facet, to_camera);
         sum.radiance += sample.radiance;

@@ -3,6 +3,7 @@
 pub mod build;
 pub mod gnomonic;
 pub mod level;
+mod march;
 pub mod pyramid;
 pub mod surface;
 pub mod synthetic;

@@ -81,6 +81,15 @@ fn no_hit() -> SurfaceHit {
     return SurfaceHit(MISS, 0u, vec2i(0), vec2f(0.0), FAR_AWAY);
 }
 
+// A direction in camera axes turned into a map's.
+fn map_direction(face: MapFace, camera_d: vec3f) -> vec3f {
+    return vec3f(
+        dot(face.from_camera_x.xyz, camera_d),
+        dot(face.from_camera_y.xyz, camera_d),
+        dot(face.from_camera_z.xyz, camera_d),
+    );
+}
+
 // Narrows [near, far] to where value + rate t >= 0.
 fn clip_side(interval: vec2f, value: f32, rate: f32) -> vec2f {
     if rate > 0.0 {
@@ -319,7 +328,7 @@ fn leaves_below_sphere(face: MapFace, ray: LiftedRay) -> bool {
 // The first meeting of a ray (camera axes) with the maps' ground.
 fn hit_face(index: u32, camera_d: vec3f) -> SurfaceHit {
     let face = map_faces[index];
-    let d = vec3f(dot(face.from_camera_x.xyz, camera_d), dot(face.from_camera_y.xyz, camera_d), dot(face.from_camera_z.xyz, camera_d));
+    let d = map_direction(face, camera_d);
     let ray = lifted_ray(face, d);
     if ray.near >= ray.far {
         return no_hit();

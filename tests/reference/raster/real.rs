@@ -80,7 +80,8 @@ fn the_global_model_builds_a_cube() {
     let dem = Dem::open(&path, &Body::moon(), &options).unwrap();
     let centre = Geodetic::from_degrees(-89.0, 10.0, 0.0);
     let (faces, error) = build_cube(&Body::moon(), centre, &dem, 8000.0, 300_000.0, MAX_NODES_PER_SIDE).unwrap();
-    eprintln!("{:?} {} nodes a side, {error:?}", start.elapsed(), faces[0].levels[0].columns);
+    // What the Moon's relief does within 8 km: bilinear nodes cannot hold it.
+    assert!(error.rms_m < 200.0, "{error:?}");
     assert!(faces.iter().all(|face| !face.levels[0].gap.contains(&true)));
     // Heights of the Moon lie between −9.2 and 10.8 km.
     for face in &faces {

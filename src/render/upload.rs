@@ -1,0 +1,188 @@
+//! The ground as the device holds it: the seen parts of all levels, one after the other.
+//!
+//! An adapter limits the size of one binding (128 MiB on software Vulkan). Gradients and horizon maps are the
+//! largest arrays and may go over several bindings, in pages of a power of two of elements.
+
+use rayon::prelude::*;
+use wgpu::Buffer;
+
+use super::layout::{MapFace, MapLevel};
+use super::{RenderError, Scene, Shadows, View};
+use crate::gpu::Gpu;
+use crate::horizon::{Encoding, HorizonMap};
+use crate::terrain::{Level, Pyramid, Surface, Terrain};
+
+/// Gradients of nodes without heights; the shader takes slopes beyond 1e20 for gaps.
+const GAP_SLOPE: f32 = 1e30;
+
+/// Bindings of horizon maps, as in the shader.
+const TEXEL_PAGES: usize = 4;
+
+/// Bindings of gradients, as in the shader.
+const GRADIENT_PAGES: usize = 2;
+
+/// Buffers that stay on the device from view to view.
+#[derive(Debug)]
+pub struct DeviceGround {
+    pub levels: Vec<PackedLevel>,
+    pub heights: Buffer,
+    pub gradients: [Buffer; GRADIENT_PAGES],
+    pub maxima: Buffer,
+    pub albedos: Buffer,
+    pub texels: [Buffer; TEXEL_PAGES],
+    /// `override` values that go with the buffers.
+    pub constants: [(&'static str, f64); 5],
+}
+
+/// A level as the shader knows it, and where it comes from.
+#[derive(Debug)]
+pub struct PackedLevel {
+    pub shader: MapLevel,
+    pub face: usize,
+    pub level: usize,
+}
+
+impl DeviceGround {
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
+        let horizons = match &scene.shadows {
+            Shadows::None => None,
+            Shadows::Fourier(maps) => Some(maps),
+            Shadows::Traced(_) => return Err(RenderError::TracedOnGpu),
+        };
+        let mut store = Store::default();
+        for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
+            for level in 0..levels.levels.len() {
+                let horizon = horizons.map(|maps| &maps[face][level]);
+                let albedo = scene.albedo.as_ref().map(|maps| maps[face][level].as_slice());
+                store.add(&scene.surface, face, level, horizon, albedo);
+            }
+        }
+        let (texel_bits, gradient_bits) = (page_bits::<[u32; 4]>(gpu), page_bits::<[f32; 2]>(gpu));
+        let more_gradients = store.gradients.len() > 1 << gradient_bits;
+        Ok(Self {
+            heights: gpu.storage("lifted heights", checked(gpu, "lifted heights", &store.heights_m, 1)?),
+            gradients: pages(gpu, "gradients", &store.gradients)?,
+            maxima: gpu.storage("maxima", checked(gpu, "maxima", &store.maxima_m, 1)?),
+            albedos: gpu.storage("albedos", checked(gpu, "albedos", &store.albedos, 1)?),
+            texels: pages(gpu, "horizon maps", &store.texels)?,
+            constants: [
+                ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
+                ("PAGES", store.texels.len().div_ceil(1 << texel_bits).max(1) as f64),
+                ("PAGE_BITS", f64::from(texel_bits)),
+                ("GRADIENT_PAGE_BITS", f64::from(gradient_bits)),
+                ("MORE_GRADIENTS", f64::from(u8::from(more_gradients))),
+            ],
+            levels: store.levels,
+        })
+    }
+
+    /// Whether an adapter can hold a terrain, with horizon maps or without: asked before hours go into those.
+    pub fn check(gpu: &Gpu, terrain: &Terrain, horizons: bool) -> Result<(), RenderError> {
+        let seen = |level: &Level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin);
+        let nodes: usize = terrain.faces.iter().flat_map(|face| &face.levels).map(seen).sum();
+        // Mips add a third to the cells; resolution levels a third to the texels of four coefficients.
+        fits::<f32>(gpu, "maxima", nodes + nodes / 3, 1)?;
+        fits::<[f32; 2]>(gpu, "gradients", nodes, GRADIENT_PAGES)?;
+        if horizons { fits::<[u32; 4]>(gpu, "horizon maps", nodes + nodes / 3, TEXEL_PAGES) } else { Ok(()) }
+    }
+}
+
+/// The same on the host.
+#[derive(Debug, Default)]
+struct Store {
+    levels: Vec<PackedLevel>,
+    heights_m: Vec<f32>,
+    gradients: Vec<[f32; 2]>,
+    maxima_m: Vec<f32>,
+    texels: Vec<[u32; 4]>,
+    albedos: Vec<f32>,
+}
+
+impl Store {
+    fn add(
+        &mut self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        horizon: Option<&HorizonMap>,
+        albedo: Option<&[f32]>,
+    ) {
+        let full = &surface.terrain.faces[face].levels[level];
+        let seen = full.seen();
+        let pyramid = if full.margin == 0 { &surface.pyramids[face][level] } else { &Pyramid::new(&seen) };
+        let mut shader = MapLevel::new(&seen, face);
+        shader.heights_offset = self.heights_m.len() as u32;
+        shader.maxima_offset = self.maxima_m.len() as u32;
+        shader.mips = pyramid.mips.len() as u32;
+        self.heights_m.extend(&seen.heights_m);
+        self.gradients.extend(gradients(full));
+        self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
+        if let Some(albedo) = albedo {
+            let seen = full.margin..full.rows - full.margin;
+            let cut = |row: usize| full.index(full.margin, row)..full.index(full.columns - full.margin, row);
+            self.albedos.extend(seen.flat_map(|row| &albedo[cut(row)]));
+        }
+        if let Some(map) = horizon {
+            shader.has_horizon = 1;
+            shader.horizon_halving = u32::from(map.encoding == Encoding::Fm16);
+            for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
+                *offset = self.texels.len() as u32;
+                self.texels.extend(&texels.texels);
+            }
+        }
+        self.levels.push(PackedLevel { shader, face, level });
+    }
+}
+
+impl PackedLevel {
+    /// The level with its grid counted from the camera's cell.
+    pub fn centred(&self, scene: &Scene, view: &View) -> MapLevel {
+        let face = &scene.surface.terrain.faces[self.face];
+        let Some(lifted) = MapFace::direct_start(&face.map, view.camera_position) else { return self.shader };
+        let level = &face.levels[self.level];
+        self.shader.about(level.grid_from_map(lifted.truncate()) - level.margin as f64)
+    }
+}
+
+/// Gradients of the seen nodes; those without heights of their own are marked.
+fn gradients(level: &Level) -> Vec<[f32; 2]> {
+    let rows = level.margin..level.rows - level.margin;
+    rows.into_par_iter()
+        .flat_map_iter(|row| {
+            (level.margin..level.columns - level.margin).map(move |column| {
+                if level.gap[level.index(column, row)] {
+                    [GAP_SLOPE; 2]
+                } else {
+                    level.gradient(column, row).as_vec2().to_array()
+                }
+            })
+        })
+        .collect()
+}
+
+/// Elements of a page, as a power of two, that the adapter takes in one binding.
+fn page_bits<T>(gpu: &Gpu) -> u32 {
+    (gpu.device.limits().max_storage_buffer_binding_size / size_of::<T>() as u64).ilog2().min(31)
+}
+
+fn fits<T>(gpu: &Gpu, what: &'static str, elements: usize, pages: usize) -> Result<(), RenderError> {
+    let allowed = pages << page_bits::<T>(gpu);
+    let mib = |elements: usize| (elements as u64 * size_of::<T>() as u64) >> 20;
+    if elements <= allowed {
+        return Ok(());
+    }
+    Err(RenderError::BufferTooLarge { what, needed_mib: mib(elements), allowed_mib: mib(allowed) })
+}
+
+fn checked<'a, T>(gpu: &Gpu, what: &'static str, values: &'a [T], pages: usize) -> Result<&'a [T], RenderError> {
+    fits::<T>(gpu, what, values.len(), pages).map(|()| values)
+}
+
+fn pages<T: bytemuck::Pod, const N: usize>(
+    gpu: &Gpu,
+    what: &'static str,
+    values: &[T],
+) -> Result<[Buffer; N], RenderError> {
+    let mut chunks = checked(gpu, what, values, N)?.chunks(1 << page_bits::<T>(gpu));
+    Ok(std::array::from_fn(|_| gpu.storage(what, chunks.next().unwrap_or(&[]))))
+}
