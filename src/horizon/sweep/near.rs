@@ -9,14 +9,10 @@
 //! ```
 //!
 //! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
-//! Only cells within [`INSIDE`] steps are searched so. In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
+//! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
-
-/// Major steps within which cells are searched between their crossings. A bulge of fixed height lifts a skyline by its share
-/// of the distance: beyond 8 steps that is part of the p99 of 0.006° that [`super`] states.
-const INSIDE: f64 = 8.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
@@ -40,8 +36,6 @@ struct Crossing {
 #[derive(Debug)]
 pub struct Stencil {
     crossings: Vec<Crossing>,
-    /// How many of them have the inside of the cell before them searched.
-    inside: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -61,8 +55,7 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        let inside = steps.partition_point(|step| *step <= INSIDE).max(1).min(steps.len());
-        Self { crossings, inside, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        Self { crossings, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -110,8 +103,7 @@ pub fn slopes(
         // A gap's own height is filled.
         before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
     }
-    let (inside, outside) = stencil.crossings.split_at(stencil.inside);
-    for (order, crossing) in inside.iter().enumerate() {
+    for (order, crossing) in stencil.crossings.iter().enumerate() {
         let a = lanes(heights_m, at, crossing.nodes[0]);
         let b = lanes(heights_m, at, crossing.nodes[1]);
         let twist = lanes(twists_m, at, crossing.cell);
@@ -128,15 +120,6 @@ pub fn slopes(
             let inner = if own { c1 } else { inner };
             best[i] = larger(larger(best[i], here * crossing.inverse), inner);
             before[i] = here;
-        }
-    }
-    for crossing in outside {
-        let a = lanes(heights_m, at, crossing.nodes[0]);
-        let b = lanes(heights_m, at, crossing.nodes[1]);
-        let [share_a, share_b] = crossing.shares;
-        for i in 0..LANES {
-            let rise_m = share_a * a[i] + share_b * b[i] - observers_m[i];
-            best[i] = larger(best[i], rise_m * crossing.inverse);
         }
     }
     best
