@@ -8,14 +8,12 @@ pub mod image;
 pub mod layout;
 pub mod passes;
 pub mod planes;
-mod rays;
 pub mod reference;
-mod upload;
 pub mod view;
 
 pub use image::{Image, Plane, Quantity};
+pub use passes::DeviceGround;
 pub use planes::Samples;
-pub use upload::DeviceGround;
 pub use view::{Light, Scene, Shadows, View};
 
 use std::time::Duration;

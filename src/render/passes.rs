@@ -7,15 +7,21 @@
 //!
 //! `reference` is the twin; `tests/conformance` holds the two together.
 
+mod rays;
+mod upload;
+
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
+pub use upload::DeviceGround;
+
+use rays::Band;
+use upload::PackedLevel;
+
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::rays::Band;
-use super::upload::{DeviceGround, PackedLevel};
 use super::{RenderError, Renderer, Scene, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;

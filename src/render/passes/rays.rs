@@ -4,8 +4,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 use wgpu::Buffer;
 
-use super::Scene;
 use crate::gpu::Gpu;
+use crate::render::Scene;
 
 /// The shader takes rays beyond 1e20 for none.
 const NO_RAY: f32 = 1e30;

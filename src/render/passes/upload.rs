@@ -6,10 +6,10 @@
 use rayon::prelude::*;
 use wgpu::Buffer;
 
-use super::layout::{MapFace, MapLevel};
-use super::{RenderError, Scene, Shadows, View};
 use crate::gpu::Gpu;
 use crate::horizon::{Encoding, HorizonMap};
+use crate::render::layout::{MapFace, MapLevel};
+use crate::render::{RenderError, Scene, Shadows, View};
 use crate::terrain::{Level, Pyramid, Surface, Terrain};
 
 /// Gradients of nodes without heights; the shader takes slopes beyond 1e20 for gaps.
