@@ -5,7 +5,7 @@
 //!
 //! 1. [`near`]: every crossing and every cell of the first [`NEAR`] steps, exactly, many receivers at once;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where two lines
-//!    disagree by more than 0.057° the receiver's own line about both touching points, exactly ([`profile`]);
+//!    disagree by more than 0.017° the receiver's own line about both touching points, exactly ([`profile`]);
 //! 3. [`beyond`]: tangents to the hulls of coarser levels;
 //! 4. [`angle`]: the steepest slope, or the bare sphere's, as an elevation above the local horizontal.
 //!

@@ -22,8 +22,8 @@ const BLOCK: usize = 16;
 const LINES: usize = BLOCK + 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 pub const RING: f64 = 32.0;
-/// Difference between the slopes of two lines above which a receiver searches its own: 0.057°.
-const AGREEMENT: f32 = 1e-3;
+/// Difference between the slopes of two lines above which a receiver searches its own: 0.017°.
+const AGREEMENT: f32 = 3e-4;
 
 /// Everything the far field of one azimuth is made from.
 #[derive(Debug)]
