@@ -159,6 +159,8 @@ impl<'a> Builder<'a> {
         let end = if done < self.along_rows { self.along_rows } else { self.order.len() };
         let block = &self.order[done..end.min(done + rayon::current_num_threads())];
         if done == self.along_rows {
+            // One orientation of the heights at a time, and none beside a second copy of the sums.
+            self.sweep = None;
             self.state.sums.transpose();
         }
         let (face, level, settings) = (self.face, self.level, &self.settings);
