@@ -39,7 +39,7 @@
 //! # Who may depend on whom
 //!
 //! ```text
-//! quantity -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
+//! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
 //!          -> horizon -> shadow -> render -> { dataset, scenario } -> pipeline -> evaluate -> main
 //! ```
 //!
@@ -54,6 +54,7 @@
 //! their scale. A pixel without a value is NaN.
 #![warn(missing_debug_implementations)]
 
+pub mod digest;
 pub mod quantity;
 
 pub mod geometry;

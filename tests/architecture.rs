@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules of one layer do not see each other.
 const LAYERS: [&[&str]; 10] = [
-    &["quantity"],
+    &["quantity", "digest"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
     &["terrain", "camera"],

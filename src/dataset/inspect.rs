@@ -102,7 +102,7 @@ fn directory(path: &Path) -> Result<Json, DatasetError> {
         serde_json::from_slice(&bytes).map_err(|source| DatasetError::Json { path: manifest_path, source })?;
     let listed = manifest.exposures.iter().flat_map(|entry| &entry.files).chain(&manifest.files);
     let is_changed = |file: &&super::FileRecord| {
-        !atomic::read(&path.join(&file.name)).is_ok_and(|bytes| atomic::sha256_hex(&bytes) == file.sha256)
+        !atomic::read(&path.join(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
     };
     let changed: Vec<&str> = listed.clone().filter(is_changed).map(|file| file.name.as_str()).collect();
     Ok(json!({

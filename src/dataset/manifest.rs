@@ -35,7 +35,7 @@ impl Run {
     /// Hash of all that shapes the images.
     pub fn key(&self) -> String {
         let json = serde_json::to_vec(self).expect("plain values become JSON");
-        super::atomic::sha256_hex(&json)
+        crate::digest::sha256_hex(&json)
     }
 }
 

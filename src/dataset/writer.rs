@@ -236,7 +236,7 @@ impl Desk {
     }
 
     fn is_whole(&self, file: &FileRecord) -> bool {
-        atomic::read(&self.path(&file.name)).is_ok_and(|bytes| atomic::sha256_hex(&bytes) == file.sha256)
+        atomic::read(&self.path(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
     }
 
     /// Writes the preview of an exposure from its planes on disk, and the record that names it.
@@ -299,7 +299,7 @@ impl Desk {
 
 impl FileRecord {
     fn of(name: &str, bytes: &[u8]) -> Self {
-        Self { name: name.into(), sha256: atomic::sha256_hex(bytes), bytes: bytes.len() }
+        Self { name: name.into(), sha256: crate::digest::sha256_hex(bytes), bytes: bytes.len() }
     }
 }
 

@@ -8,7 +8,6 @@ use anise::naif::kpl::fk::FKItem;
 use anise::naif::kpl::parser::parse_bytes;
 use anise::naif::kpl::tpc::TPCItem;
 use anise::structure::{EulerParameterDataSet, PlanetaryDataSet};
-use sha2::{Digest, Sha256};
 
 use super::daf::{self, DafError, Kind, Segment};
 use super::epoch::et_text;
@@ -61,7 +60,7 @@ impl Kernel {
             let hint = known_file(&name).map(|file| format!("; it is {}; get it from {}", file.what, file.source));
             EphemerisError::Unreadable { path: path.to_owned(), hint: hint.unwrap_or_default(), source }
         })?;
-        let sha256 = sha256_hex(&bytes);
+        let sha256 = crate::digest::sha256_hex(&bytes);
         let contents = Contents::from_bytes(path, bytes)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (format, segments) = match &contents {
@@ -200,11 +199,6 @@ fn with_c_exponents(text: &str) -> String {
         }
     }
     String::from_utf8(bytes).expect("only ASCII was replaced by ASCII")
-}
-
-/// SHA-256 in hexadecimal digits.
-pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

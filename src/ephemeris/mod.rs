@@ -24,7 +24,7 @@ pub use default_kernels::{DEFAULT_KERNELS, default_kernel_folder, default_span, 
 pub use epoch::{parse_epoch, utc_text};
 pub use error::EphemerisError;
 pub use hifitime::Epoch;
-pub use kernel::{Format, Kernel, sha256_hex};
+pub use kernel::{Format, Kernel};
 pub use manifest::{KnownFile, known_file, known_files};
 pub use names::{body_id, body_name, frame_name};
 pub use sun::{EARTH_RADIUS_M, Horizontal, Source, apparent, earth, horizontal, sun};

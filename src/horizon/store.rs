@@ -63,7 +63,7 @@ impl Key {
         for level in &face.levels[level..] {
             hash.update(level_hash(level));
         }
-        Self(hex(&hash.finalize()))
+        Self(crate::digest::hex(&hash.finalize()))
     }
 
     pub fn as_str(&self) -> &str {
@@ -79,10 +79,6 @@ fn level_hash(level: &Level) -> [u8; 32] {
     hash.update(cast_slice::<f32, u8>(&level.heights_m));
     hash.update(level.gap.iter().map(|gap| u8::from(*gap)).collect::<Vec<_>>());
     hash.finalize().into()
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// All that a decoder needs, as JSON in the file.
@@ -156,7 +152,7 @@ impl Header {
             rows: level.rows,
             posting_m: level.posting_m,
             margin: level.margin,
-            sha256: hex(&level_hash(level)),
+            sha256: crate::digest::hex(&level_hash(level)),
         };
         Self {
             format: FORMAT.into(),

@@ -96,7 +96,7 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
         scenario::Dem::Synthetic { .. } => {
             shape += &format!(" {:?}", synthetic_parameters(dem));
-            let key = crate::ephemeris::sha256_hex(shape.as_bytes());
+            let key = crate::digest::sha256_hex(shape.as_bytes());
             cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
         }
     };

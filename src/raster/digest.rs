@@ -13,7 +13,7 @@ pub fn digest(path: &Path) -> Result<String, Error> {
     let failed = |source| Error::File { path: path.into(), source };
     let mut hash = Sha256::new();
     io::copy(&mut File::open(path).map_err(failed)?, &mut hash).map_err(failed)?;
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(crate::digest::hex(&hash.finalize()))
 }
 
 #[cfg(test)]
