@@ -17,6 +17,7 @@ pub mod band;
 pub mod build;
 pub mod checkpoint;
 pub mod error;
+pub mod exact;
 pub mod fit;
 pub mod georeference;
 pub mod inspect;

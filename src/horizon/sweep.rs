@@ -62,7 +62,7 @@ pub struct Receivers {
 }
 
 impl Receivers {
-    fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
+    pub(super) fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
         let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
         let (majors, minors) = match major {
             Major::Row => (rows, columns),

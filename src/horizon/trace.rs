@@ -25,7 +25,7 @@ use super::sphere::skyline_beyond;
 use crate::terrain::{Face, Gnomonic, Level, Pyramid};
 
 /// Below this height above the surface an observer stands on it and his own facet is part of his skyline.
-const ON_GROUND_M: f64 = 1e-3;
+pub(super) const ON_GROUND_M: f64 = 1e-3;
 
 /// Mip of the blocks that are passed over at once: 32 × 32 cells.
 const BLOCK_MIP: usize = 5;
@@ -97,16 +97,57 @@ impl<'a> Tracer<'a> {
         let (slope, distance_m) = skyline_beyond(self.map, observer, direction, end_m.map_or(0.0, |(_, out_m)| out_m));
         view.offer(slope, distance_m);
 
-        let mut seen: Vec<(f64, f64)> = Vec::new();
         for (index, level) in self.levels.iter().enumerate() {
-            let Some((in_m, out_m)) = stretch(level, observer.truncate(), direction) else { continue };
-            for (from_m, to_m) in without((in_m, out_m), &seen) {
+            self.stretches(index, observer.truncate(), direction, &mut |from_m, to_m| {
                 view.pass(level, self.pyramids.get(index), from_m, to_m, self.settings.search_limit_m());
-            }
-            seen.push((in_m, out_m));
+            });
         }
         let tangent = self.map.elevation_tangent(observer, direction, view.slope);
         Skyline { elevation_rad: tangent.atan(), distance_m: view.distance_m }
+    }
+
+    /// Map distances between which the ray `at + t d` runs over a level where no finer one covers it.
+    pub(super) fn stretches(&self, level: usize, at_m: DVec2, direction: DVec2, found: &mut dyn FnMut(f64, f64)) {
+        if let Some((in_m, out_m)) = stretch(&self.levels[level], at_m, direction) {
+            self.uncovered(level, at_m, direction, [in_m, out_m], found);
+        }
+    }
+
+    /// The parts of an interval that none of the levels finer than `level` covers.
+    fn uncovered(&self, level: usize, at_m: DVec2, towards: DVec2, [a, b]: [f64; 2], found: &mut dyn FnMut(f64, f64)) {
+        if a >= b {
+            return;
+        }
+        let Some(finer) = level.checked_sub(1) else { return found(a, b) };
+        match stretch(&self.levels[finer], at_m, towards) {
+            None => self.uncovered(finer, at_m, towards, [a, b], found),
+            Some((from_m, to_m)) => {
+                self.uncovered(finer, at_m, towards, [a, b.min(from_m)], found);
+                self.uncovered(finer, at_m, towards, [a.max(to_m), b], found);
+            }
+        }
+    }
+
+    /// The larger of a slope and the steepest one over a level between two map distances, seen from a lifted point.
+    pub(super) fn steepest(
+        &self,
+        level: usize,
+        observer: DVec3,
+        direction: DVec2,
+        ends_m: [f64; 2],
+        slope: f64,
+    ) -> f64 {
+        let mut view = View {
+            observer,
+            direction,
+            on_ground: self.settings.observer_height_m < ON_GROUND_M,
+            little: f64::NEG_INFINITY,
+            enough: f64::INFINITY,
+            slope,
+            distance_m: 0.0,
+        };
+        view.walk(&self.levels[level], ends_m[0], ends_m[1], self.settings.search_limit_m());
+        view.slope
     }
 }
 
@@ -135,16 +176,6 @@ fn stretch(level: &Level, at_m: DVec2, direction: DVec2) -> Option<(f64, f64)> {
         range = (range.0.max(a.min(b)), range.1.min(a.max(b)));
     }
     (range.0 <= range.1).then_some(range)
-}
-
-/// The parts of an interval that none of `taken` covers.
-fn without(whole: (f64, f64), taken: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut parts = vec![whole];
-    for &(from, to) in taken {
-        parts =
-            parts.into_iter().flat_map(|(a, b)| [(a, b.min(from)), (a.max(to), b)]).filter(|(a, b)| a < b).collect();
-    }
-    parts
 }
 
 /// The best slope found so far along one line of sight.
