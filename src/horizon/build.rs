@@ -16,10 +16,10 @@ use super::checkpoint::Checkpoint;
 use super::error::{Error, TileErrors};
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
+use super::method::Search;
 use super::pack::{Encoding, HorizonMap};
 use super::settings::Settings;
 use super::store::{self, Header, Key};
-use super::sweep::Sweep;
 use super::sweep::grid::Major;
 use crate::geometry::Body;
 use crate::terrain::Face;
@@ -116,7 +116,7 @@ pub struct Builder<'a> {
     order: Vec<usize>,
     along_rows: usize,
     state: State,
-    sweep: Option<(Major, Sweep<'a>, Option<Ends>)>,
+    search: Option<(Major, Search<'a>, Option<Ends>)>,
 }
 
 impl<'a> Builder<'a> {
@@ -144,7 +144,18 @@ impl<'a> Builder<'a> {
         let sums = Accumulator::new(encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state, along_rows);
-        Ok(Self { face, level, settings: *settings, encoding, path, checkpoint, order, along_rows, state, sweep: None })
+        Ok(Self {
+            face,
+            level,
+            settings: *settings,
+            encoding,
+            path,
+            checkpoint,
+            order,
+            along_rows,
+            state,
+            search: None,
+        })
     }
 
     /// Azimuths done.
@@ -160,18 +171,18 @@ impl<'a> Builder<'a> {
         let block = &self.order[done..end.min(done + rayon::current_num_threads())];
         if done == self.along_rows {
             // One orientation of the heights at a time, and none beside a second copy of the sums.
-            self.sweep = None;
+            self.search = None;
             self.state.sums.transpose();
         }
         let (face, level, settings) = (self.face, self.level, &self.settings);
-        if self.sweep.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
+        if self.search.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
             let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[level], major));
-            self.sweep = Some((major, Sweep::new(face, level, major, settings), ends));
+            self.search = Some((major, Search::new(face, level, major, settings), ends));
         }
-        let Some((_, sweep, ends)) = &self.sweep else { return };
+        let Some((_, search, ends)) = &self.search else { return };
         let plane = |&azimuth: &usize| {
-            let elevations_rad = sweep.elevations_rad(settings.direction(azimuth));
-            let mut plane = Plane { azimuth, stride: sweep.receivers.stride, elevations_rad };
+            let elevations_rad = search.elevations_rad(settings.direction(azimuth));
+            let mut plane = Plane { azimuth, stride: search.receivers().stride, elevations_rad };
             ends.iter().for_each(|ends| ends.clamp(&mut plane));
             plane
         };
@@ -188,7 +199,7 @@ impl<'a> Builder<'a> {
 
     /// Stores the finished tile.
     fn finish(mut self, body: &Body) -> Result<HorizonMap, Error> {
-        self.sweep = None;
+        self.search = None;
         let sums = &mut self.state.sums;
         sums.transpose();
         let (columns, rows) = (sums.columns(), sums.rows());

@@ -6,6 +6,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::band::Band;
+use super::method::Method;
 use crate::terrain::Gnomonic;
 
 /// How horizons are searched. All of it shapes the result and is part of a tile's key.
@@ -19,6 +20,9 @@ pub struct Settings {
     pub search_m: Option<f64>,
     /// Height of the observer above the ground, along the vertical.
     pub observer_height_m: f64,
+    /// How the skylines are looked for.
+    #[serde(default, skip_serializing_if = "Method::is_default")]
+    pub method: Method,
     /// The elevations that matter: horizons beyond them are moved to their ends before they are compressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<Band>,
@@ -26,7 +30,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { azimuths: 360, search_m: None, observer_height_m: 0.0, band: None }
+        Self { azimuths: 360, search_m: None, observer_height_m: 0.0, method: Method::default(), band: None }
     }
 }
 

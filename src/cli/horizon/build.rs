@@ -36,6 +36,9 @@ pub struct Args {
     /// Height of the observer above the ground, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     observer_height: f64,
+    /// How skylines are looked for: sweep, the fast one; exact, right to the last digit of f32
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
     /// 16 coefficients: fm16 at falling resolutions (21 bytes a node), f16 all at full resolution (64 bytes)
     #[arg(long, value_enum, default_value_t)]
     encoding: Encoding,
@@ -62,6 +65,22 @@ impl From<Encoding> for horizon::Encoding {
     }
 }
 
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Method {
+    #[default]
+    Sweep,
+    Exact,
+}
+
+impl From<Method> for horizon::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Sweep => Self::Sweep,
+            Method::Exact => Self::Exact,
+        }
+    }
+}
+
 pub fn run(args: Args) -> Outcome {
     let output = args.output.ok_or("no directory for the tiles is given: --output DIR")?;
     let bars = Bars::new();
@@ -71,6 +90,7 @@ pub fn run(args: Args) -> Outcome {
         azimuths: args.azimuths,
         search_m: args.search,
         observer_height_m: args.observer_height,
+        method: args.method.into(),
         band: None,
     };
     let mut all = Vec::new();

@@ -1,0 +1,58 @@
+//! Which search makes the horizons of a tile.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::Settings;
+use super::exact::Exact;
+use super::sweep::grid::Major;
+use super::sweep::{Receivers, Sweep};
+use crate::terrain::Face;
+
+/// How the skyline of each node is looked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// The fast one, with errors at few samples ([`super::sweep`]).
+    #[default]
+    Sweep,
+    /// Right to the rounding of `f32` ([`super::exact`]).
+    Exact,
+}
+
+impl Method {
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A search prepared for the azimuths along one axis.
+#[derive(Debug)]
+pub enum Search<'a> {
+    Sweep(Box<Sweep<'a>>),
+    Exact(Box<Exact<'a>>),
+}
+
+impl<'a> Search<'a> {
+    /// The search that the settings name.
+    pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Self {
+        match settings.method {
+            Method::Sweep => Self::Sweep(Box::new(Sweep::new(face, level, major, settings))),
+            Method::Exact => Self::Exact(Box::new(Exact::new(face, level, major, settings))),
+        }
+    }
+
+    pub fn receivers(&self) -> &Receivers {
+        match self {
+            Self::Sweep(sweep) => &sweep.receivers,
+            Self::Exact(exact) => &exact.receivers,
+        }
+    }
+
+    /// Elevations of the skyline in a unit map direction along the search's axis, as `receivers` are laid out.
+    pub fn elevations_rad(&self, direction: DVec2) -> Vec<f32> {
+        match self {
+            Self::Sweep(sweep) => sweep.elevations_rad(direction),
+            Self::Exact(exact) => exact.elevations_rad(direction),
+        }
+    }
+}
