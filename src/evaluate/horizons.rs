@@ -21,7 +21,7 @@ use crate::horizon::measure::Sample;
 use crate::horizon::sweep::Sweep;
 use crate::horizon::sweep::grid::Major;
 use crate::horizon::trace::Tracer;
-use crate::horizon::{self, Encoding, Settings};
+use crate::horizon::{self, Encoding, Request, Settings};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::pipeline::Progress;
 use crate::quantity::SOLAR_RADIUS_M;
@@ -298,7 +298,8 @@ fn tile(
     forget_peak_memory();
     let start = Instant::now();
     let heard = |done: usize, total: usize| progress.at(done, total);
-    let map = horizon::build(&scene.body, &scene.face, 0, settings, encoding, &folder.path, &heard)?;
+    let request = Request { body: &scene.body, face: &scene.face, level: 0, settings: *settings, encoding };
+    let map = horizon::build(&request, &folder.path, &heard)?;
     let seconds = start.elapsed().as_secs_f64();
     let peak_mib = peak_memory_mib();
 
