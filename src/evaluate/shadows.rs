@@ -132,7 +132,7 @@ fn traced_settings(scenario: &Scenario) -> crate::horizon::Settings {
         azimuths: scenario.horizon.azimuths as usize,
         search_m: scenario.horizon.search_m,
         observer_height_m: scenario.horizon.observer_height_m,
-        band: None,
+        ..Default::default()
     }
 }
 

@@ -10,7 +10,7 @@ use super::profiles::Profiles;
 use crate::evaluate::machine::{forget_peak_memory, peak_memory_mib};
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::{Error, Table, Value};
-use crate::horizon::{self, Encoding, Settings};
+use crate::horizon::{self, Encoding, Request, Settings};
 use crate::pipeline::Progress;
 
 pub const ENCODINGS: [Encoding; 2] = [Encoding::Fm16, Encoding::F16];
@@ -50,7 +50,8 @@ pub fn tile(
     forget_peak_memory();
     let start = Instant::now();
     let heard = |done: usize, total: usize| progress.at(done, total);
-    let map = horizon::build(&scene.body, &scene.face, 0, settings, encoding, &folder.path, &heard)?;
+    let request = Request { body: &scene.body, face: &scene.face, level: 0, settings: *settings, encoding };
+    let map = horizon::build(&request, &folder.path, &heard)?;
     let seconds = start.elapsed().as_secs_f64();
     let peak_mib = peak_memory_mib();
 

@@ -1,6 +1,9 @@
 //! Small terrains for the horizon tests.
 
+use std::path::{Path, PathBuf};
+
 use glam::DVec2;
+use perilune::evaluate::scenes::Scene;
 use perilune::geometry::{Body, Geodetic};
 use perilune::horizon::Settings;
 use perilune::horizon::sweep::Sweep;
@@ -114,4 +117,15 @@ pub fn swept(face: &Face, level: usize, settings: &Settings, direction: DVec2) -
         Major::Row => (0..r.majors).map(|row| (0..r.minors).map(|column| at(row, column)).collect()).collect(),
         Major::Column => (0..r.minors).map(|row| (0..r.majors).map(|column| at(column, row)).collect()).collect(),
     }
+}
+
+/// The connecting ridge within the polar cap, where its elevation models are.
+pub fn connecting_ridge() -> Option<Scene> {
+    let root = std::env::var_os("SIM_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let scene = Scene::connecting_ridge(&[root]).unwrap_or_else(|error| panic!("{error}"));
+    if scene.is_none() {
+        println!("skipped: the elevation models of the connecting ridge are absent");
+    }
+    scene
 }
