@@ -85,7 +85,9 @@ pub fn run(args: Args) -> Outcome {
     let (report, output) = match args.bench {
         Bench::Horizon { quick, mut data, output } => {
             data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
-            (horizons::run(&horizons::Options::new(quick, data), &bars)?, output)
+            let mut options = horizons::Options::new(quick, data);
+            options.program = std::env::current_exe().ok();
+            (horizons::run(&options, &bars)?, output)
         }
         Bench::Frame { scene, frames, repeat, output } => {
             let options = frame::Options { exposures: frames, repeat, cache: scene.cache };

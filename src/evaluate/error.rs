@@ -23,6 +23,8 @@ pub enum Error {
     Dataset(#[from] crate::dataset::DatasetError),
     #[error("cannot write {path}")]
     Write { path: PathBuf, source: std::io::Error },
+    #[error("cannot run {path}")]
+    Program { path: PathBuf, source: std::io::Error },
     #[error("cannot encode the image {name} as PNG")]
     Png { name: String, source: image::ImageError },
     #[error("{key} = {got} is outside [{}, {}]", allowed[0], allowed[1])]

@@ -6,6 +6,11 @@
 //! Sun's centre, and in the penumbra the share of a uniform disc above a level line at the horizon's elevation stands
 //! for the irradiance.
 
+pub mod certificates;
+pub mod curvature;
+pub mod fritsch;
+pub mod memory;
+pub mod peers;
 pub mod profiles;
 pub mod shadows;
 pub mod speed;
@@ -13,13 +18,14 @@ pub mod tiles;
 
 use std::path::PathBuf;
 
+use super::plot::{Axis, Curve, Plot};
 use super::scenes::Scene;
-use super::{Error, Machine, Report, Table};
-use crate::horizon::Settings;
+use super::{Error, Machine, Report, Table, Value};
 use crate::horizon::measure::Sample;
+use crate::horizon::{Method, Settings};
 use crate::pipeline::Progress;
 
-pub use profiles::{Profiles, errors, swept, traced};
+pub use profiles::{Profiles, errors, searched, traced};
 pub use shadows::{ShadowErrors, shadows};
 
 /// What to measure.
@@ -31,43 +37,84 @@ pub struct Options {
     pub data: Vec<PathBuf>,
     pub pixels: usize,
     pub azimuths: usize,
+    /// The program whose memory is measured, `sim`; without it that table stays empty.
+    pub program: Option<PathBuf>,
 }
 
 impl Options {
     pub fn new(quick: bool, data: Vec<PathBuf>) -> Self {
-        Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 } }
+        Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 }, program: None }
     }
 
     /// Runs of the clock, and azimuths in each.
     fn clock(&self) -> (usize, usize) {
-        if self.quick { (3, 12) } else { (5, 36) }
+        if self.quick { (3, 4) } else { (3, 24) }
     }
 }
+
+/// Columns of the tables of errors and of speed.
+const P95: usize = 6;
+const MEDIAN: usize = 5;
 
 /// Measures all scenes.
 pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
     let machine = Machine::here();
-    let mut tables =
-        Tables { speed: speed::table(), errors: profiles::table(), tiles: tiles::table(), shadows: shadows::table() };
+    let mut tables = Tables::new();
     let mut notes = vec![
         format!("{} pixels of each scene, {} azimuths, no limit of the search.", options.pixels, options.azimuths),
         "Samples/s/core: of the time a thread spends on a core. Median of the runs; slowest and fastest beside it."
             .into(),
-        "Peak memory: of the whole process, terrain included, while the tile was built.".into(),
+        "Peak memory of encodings: of the whole benchmark, terrain included, while the tile was built.".into(),
         "Shadows: all azimuths of the same pixels; the penumbra is where truth or trial see a part of the disc.".into(),
     ];
-    for scene in scenes(options, &mut notes)? {
-        measure(&scene, options, &mut tables, progress)?;
+    let scenes = scenes(options, &mut notes)?;
+    for scene in &scenes {
+        measure(scene, options, &mut tables, progress)?;
     }
+    beside_grass(&scenes[0], options, &mut tables, &mut notes, progress)?;
+    let nested = scenes.iter().find(|scene| scene.face.levels.len() > 1);
+    progress.begin("curvature", 1, "table");
+    tables.curvature.rows =
+        curvature::rows(nested, if options.quick { 6 } else { 64 }, if options.quick { 12 } else { 36 })?;
+    if !options.quick {
+        tables.fritsch.rows = fritsch::rows(fritsch::MEASURED, progress)?;
+    }
+    if let Some(program) = &options.program {
+        progress.begin("memory", 1, "table");
+        tables.memory.rows = memory::rows(program, if options.quick { 256 } else { 1024 }, options.azimuths)?;
+    }
+    let plots = std::iter::once(speed_and_error(&tables)).chain(shadows::plots(&tables.shadows)).collect();
+    let tables = tables.in_order();
     Ok(Report {
         name: "horizon",
         title: "Horizons: speed and error".into(),
         machine,
         notes,
-        plots: shadows::plots(&tables.shadows),
-        tables: vec![tables.speed, tables.errors, tables.tiles, tables.shadows],
+        plots,
+        tables,
         pictures: Vec::new(),
     })
+}
+
+fn beside_grass(
+    scene: &Scene,
+    options: &Options,
+    tables: &mut Tables,
+    notes: &mut Vec<String>,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    let Some(version) = peers::grass_version() else {
+        notes.push("GRASS: skipped, no `grass` on the path.".into());
+        return Ok(());
+    };
+    progress.begin("r.horizon", 1, "scene");
+    let settings = Settings { azimuths: options.azimuths, ..Settings::default() };
+    match peers::rows(scene, &settings, if options.quick { 1 } else { 3 })? {
+        Some(rows) => tables.peers.rows = rows,
+        None => notes.push("GRASS: skipped, it is installed and did not run r.horizon.".into()),
+    }
+    notes.push(format!("Peers: {version}, an azimuth a run, by its own time on the core."));
+    Ok(())
 }
 
 fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
@@ -85,20 +132,72 @@ fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Erro
 
 struct Tables {
     speed: Table,
+    peers: Table,
     errors: Table,
+    certificates: Table,
+    curvature: Table,
+    fritsch: Table,
+    memory: Table,
     tiles: Table,
     shadows: Table,
+}
+
+impl Tables {
+    fn new() -> Self {
+        Self {
+            speed: speed::table(),
+            peers: peers::table(),
+            errors: profiles::table(),
+            certificates: certificates::table(),
+            curvature: curvature::table(),
+            fritsch: fritsch::table(),
+            memory: memory::table(),
+            tiles: tiles::table(),
+            shadows: shadows::table(),
+        }
+    }
+
+    /// Those that have rows.
+    fn in_order(self) -> Vec<Table> {
+        let Self { speed, peers, errors, certificates, curvature, fritsch, memory, tiles, shadows } = self;
+        let all = [speed, peers, errors, certificates, curvature, fritsch, memory, tiles, shadows];
+        all.into_iter().filter(|table| !table.rows.is_empty()).collect()
+    }
+}
+
+/// Speed over the 95th percentile of the error, a curve a method and a point a scene.
+fn speed_and_error(tables: &Tables) -> Plot {
+    let curve = |label: &str| {
+        let of = |table: &'_ Table, column: usize| -> Vec<f64> {
+            let rows = table.rows.iter().filter(|row| row[1].text() == label);
+            rows.map(|row| if let Value::Number(number) = row[column] { number } else { f64::NAN }).collect()
+        };
+        let points = of(&tables.errors, P95).into_iter().zip(of(&tables.speed, MEDIAN)).map(|(x, y)| [x, y]).collect();
+        Curve { name: label.into(), points, joined: false }
+    };
+    Plot {
+        title: "Speed and error of each scene".into(),
+        x: Axis::logarithmic("p95 of the error [deg]"),
+        y: Axis::logarithmic("M samples/s/core"),
+        curves: ["swept", "exact"].map(curve).into(),
+    }
 }
 
 fn measure(scene: &Scene, options: &Options, tables: &mut Tables, progress: &dyn Progress) -> Result<(), Error> {
     let settings = Settings { azimuths: options.azimuths, ..Settings::default() };
     let (runs, azimuths) = options.clock();
-    tables.speed.rows.push(speed::row(scene, &settings, runs, azimuths));
+    progress.begin(&format!("speed on {}", scene.name), 1, "scene");
+    tables.speed.rows.extend(speed::rows(scene, &settings, runs, azimuths));
 
     progress.begin(&format!("tracing {}", scene.name), 1, "scene");
     let pixels = Sample::of(&scene.face.levels[0], options.pixels, options.azimuths).pixels;
     let truth = traced(scene, &settings, &pixels);
-    let mut trials = vec![("swept".to_owned(), swept(scene, &settings, &pixels))];
+    let exact = Settings { method: Method::Exact, ..settings };
+    let mut trials = vec![
+        ("swept".to_owned(), searched(scene, &settings, &pixels)),
+        ("exact".to_owned(), searched(scene, &exact, &pixels)),
+    ];
+    tables.certificates.rows.push(certificates::row(scene, &exact, &pixels, &truth));
     for encoding in tiles::ENCODINGS {
         let (profiles, row) = tiles::tile(scene, &settings, encoding, &pixels, progress)?;
         tables.tiles.rows.push(row);

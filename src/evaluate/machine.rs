@@ -59,7 +59,12 @@ pub fn thread_seconds() -> Option<f64> {
 
 /// The most memory that the process has held since [`forget_peak_memory`], in MiB, where the system can tell.
 pub fn peak_memory_mib() -> Option<f64> {
-    let text = fs::read_to_string("/proc/self/status").ok()?;
+    peak_memory_mib_of(std::process::id())
+}
+
+/// The most memory that a process has held, in MiB; `None` where the system cannot tell, or it is gone.
+pub fn peak_memory_mib_of(process: u32) -> Option<f64> {
+    let text = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = text.lines().find(|line| line.starts_with("VmHWM"))?;
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }

@@ -226,12 +226,12 @@ struct Group<'a> {
 impl Group<'_> {
     #[inline(always)]
     fn search(&self, best: &mut [f32; LANES]) {
-        let [short, middle, long] = STEPS;
+        let [_, short, middle, long] = STEPS;
         self.leaf(0, short, best);
         let mut from = short;
         while from < self.end {
             // The longest stretch that is not much longer than it is far.
-            let table = if from >= long { 2 } else { usize::from(from >= middle) };
+            let table = if from >= long { 3 } else { 1 + usize::from(from >= middle) };
             self.descend(table, from, best);
             from += STEPS[table];
         }
@@ -244,11 +244,11 @@ impl Group<'_> {
             return;
         }
         match table {
-            0 => self.leaf(from, from + STEPS[0], best),
-            1 => self.parts(from, best),
+            1 => self.leaf(from, from + STEPS[1], best),
+            2 => self.parts(from, best),
             _ => {
-                for from in (from..(from + STEPS[2]).min(self.end)).step_by(STEPS[1]) {
-                    if self.promises(1, from, best) {
+                for from in (from..(from + STEPS[3]).min(self.end)).step_by(STEPS[2]) {
+                    if self.promises(2, from, best) {
                         self.parts(from, best);
                     }
                 }
@@ -258,9 +258,9 @@ impl Group<'_> {
 
     #[inline(always)]
     fn parts(&self, from: usize, best: &mut [f32; LANES]) {
-        for from in (from..(from + STEPS[1]).min(self.end)).step_by(STEPS[0]) {
-            if self.promises(0, from, best) {
-                self.leaf(from, from + STEPS[0], best);
+        for from in (from..(from + STEPS[2]).min(self.end)).step_by(STEPS[1]) {
+            if self.promises(1, from, best) {
+                self.leaf(from, from + STEPS[1], best);
             }
         }
     }

@@ -9,7 +9,7 @@ use super::pack::HorizonMap;
 use super::settings::Settings;
 use super::sweep::grid::Major;
 use super::trace::Tracer;
-use crate::terrain::{Face, Level};
+use crate::terrain::{Face, Level, Pyramid};
 
 /// The swept profiles of some pixels.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,8 @@ impl Sample {
 /// settings have a band, elevations beyond it count as its ends.
 pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, map: &HorizonMap) -> TileErrors {
     let nodes = &face.levels[level];
-    let tracer = Tracer::without_finer(face, level, settings);
+    let pyramids: Vec<_> = face.levels[level..].iter().map(Pyramid::new).collect();
+    let tracer = Tracer::without_finer(face, level, settings).with_pyramids(&pyramids);
     let errors = |(i, [column, row]): (usize, &[usize; 2])| {
         let foot = nodes.lifted_node(column + nodes.margin, row + nodes.margin);
         let series = map.horizon(DVec2::new(*column as f64, *row as f64));

@@ -1,17 +1,18 @@
 //! Profiles of a small terrain, and the comparators on them.
 
-use perilune::evaluate::horizons::{errors, shadows, swept, traced};
+use perilune::evaluate::horizons::{curvature, errors, searched, shadows, traced};
 use perilune::evaluate::scenes::Scene;
+use perilune::geometry::{Body, BodyFixed, Geodetic, Position};
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{Settings, measure::Sample};
-use perilune::terrain::Pyramid;
+use perilune::terrain::{Face, Pyramid};
 
 #[test]
 fn swept_profiles_are_those_of_the_same_pixels_and_azimuths() {
     let scene = Scene::synthetic(192, 3).unwrap();
     let settings = Settings { azimuths: 72, ..Settings::default() };
     let pixels = Sample::of(&scene.face.levels[0], 64, settings.azimuths).pixels;
-    let (truth, mut tried) = (traced(&scene, &settings, &pixels), swept(&scene, &settings, &pixels));
+    let (truth, mut tried) = (traced(&scene, &settings, &pixels), searched(&scene, &settings, &pixels));
     let found = errors(&truth, &tried);
     assert!(found.p95.to_degrees() < 0.03, "{found:?}");
     assert!(shadows(&truth, &tried, 6f64.to_radians()).unwrap().wrong < 1e-3);
@@ -57,4 +58,28 @@ fn a_skyline_looked_for_between_two_elevations_is_the_whole_one_between_them_and
         }
     }
     assert!(lower > 100 && higher > 100, "{lower} {higher}");
+}
+
+/// Within 250 km, from models in latitude and longitude, on the Moon and on Mars' spheroid.
+#[test]
+fn curvature_costs_less_than_the_posting_and_a_hundredth_of_a_degree() {
+    let spheroid =
+        Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
+    for (body, latitude_deg) in [(Body::moon(), 30.0), (spheroid.clone(), 40.0)] {
+        let mut face = curvature::equirectangular(&body, Geodetic::from_degrees(latitude_deg, 20.0, 0.0)).unwrap();
+        let ground = |at: Position<BodyFixed>| curvature::waves_m(&body, body.geodetic_from_position(at));
+        let errors = |face: &Face| curvature::errors(&body, face, &ground, 12, 24);
+        let allowed_rad = 1000.0 / (2.0 * face.map.radius_m) + 0.01_f64.to_radians();
+        let found = errors(&face);
+        println!("{} {:?} of {}", body.name, found.p95.to_degrees(), allowed_rad.to_degrees());
+        assert!(found.p95 < allowed_rad, "{found:?}");
+
+        // The comparator fails: the same heights on a flat map.
+        let (map, level) = (face.map.clone(), &mut face.levels[0]);
+        for node in 0..level.heights_m.len() {
+            let at_m = level.node_m(node % level.columns, node / level.columns);
+            level.heights_m[node] += (at_m.length_squared() / (2.0 * map.radius_m)) as f32;
+        }
+        assert!(errors(&face).p95 > 10.0 * allowed_rad);
+    }
 }

@@ -6,7 +6,7 @@ use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Table, Value};
 use crate::horizon::Settings;
-use crate::horizon::sweep::Sweep;
+use crate::horizon::method::Search;
 use crate::horizon::sweep::grid::Major;
 use crate::horizon::trace::Tracer;
 
@@ -50,14 +50,14 @@ pub fn traced(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Prof
     pixels.par_iter().map(profile).collect()
 }
 
-/// What the sweep says.
-pub fn swept(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Profiles {
+/// What the search that the settings name says.
+pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Profiles {
     let mut profiles = vec![vec![0.0; settings.azimuths]; pixels.len()];
     for major in [Major::Row, Major::Column] {
-        let sweep = Sweep::new(&scene.face, 0, major, settings);
+        let search = Search::new(&scene.face, 0, major, settings);
         let along: Vec<usize> =
             (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect();
-        let stride = sweep.receivers.stride;
+        let stride = search.receivers().stride;
         let at = |[column, row]: &[usize; 2]| match major {
             Major::Row => row * stride + column,
             Major::Column => column * stride + row,
@@ -65,7 +65,7 @@ pub fn swept(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Profi
         let columns: Vec<(usize, Vec<f32>)> = along
             .into_par_iter()
             .map(|azimuth| {
-                let plane = sweep.elevations_rad(settings.direction(azimuth));
+                let plane = search.elevations_rad(settings.direction(azimuth));
                 (azimuth, pixels.iter().map(|pixel| plane[at(pixel)]).collect())
             })
             .collect();

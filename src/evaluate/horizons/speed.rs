@@ -1,22 +1,29 @@
 //! Samples a second on one core.
 
+use std::hint::black_box;
 use std::time::Instant;
 
 use crate::evaluate::machine::thread_seconds;
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::median;
 use crate::evaluate::{Table, Value};
-use crate::horizon::Settings;
-use crate::horizon::sweep::Sweep;
+use crate::horizon::measure::Sample;
+use crate::horizon::method::Search;
 use crate::horizon::sweep::grid::Major;
+use crate::horizon::trace::Tracer;
+use crate::horizon::{Method, Settings};
 
-/// The table that [`row`] fills.
+/// Pixels that the trace is timed on: it is slow, and as slow for each of them.
+const TRACED_PIXELS: usize = 24;
+
+/// The table that [`rows`] fill.
 pub fn table() -> Table {
     Table::new(
         "speed",
-        "Sweep on one core",
+        "Speed on one core",
         &[
             ("scene", ""),
+            ("horizons", ""),
             ("nodes", ""),
             ("azimuths", ""),
             ("runs", ""),
@@ -27,18 +34,29 @@ pub fn table() -> Table {
     )
 }
 
-/// Speed of the sweep of a scene: the median of `runs` of `azimuths` each, with the slowest and the fastest.
-pub fn row(scene: &Scene, settings: &Settings, runs: usize, azimuths: usize) -> Vec<Value> {
-    let speeds: Vec<f64> = (0..runs).map(|run| speed(scene, settings, azimuths, run)).collect();
-    let [slowest, fastest] = [speeds.iter().copied().reduce(f64::min), speeds.iter().copied().reduce(f64::max)];
-    let mut row = vec![scene.name.as_str().into()];
-    row.extend([scene.receivers(), azimuths, runs].map(|count| Value::from(count as f64)));
-    row.extend([median(speeds), slowest, fastest].map(Value::from));
-    row
+/// Speeds of sweep, exact search and trace: each the median of `runs` of `azimuths` each, with the slowest and the
+/// fastest. The methods take turns, so that a machine that slows down slows all of them.
+pub fn rows(scene: &Scene, settings: &Settings, runs: usize, azimuths: usize) -> Vec<Vec<Value>> {
+    let labels = ["swept", "exact", "traced"];
+    let mut speeds = labels.map(|_| Vec::new());
+    for run in 0..runs {
+        for (method, speeds) in [Method::Sweep, Method::Exact].into_iter().zip(&mut speeds) {
+            speeds.push(searched(scene, &Settings { method, ..*settings }, azimuths, run));
+        }
+        speeds[2].push(traced(scene, settings, azimuths));
+    }
+    let row = |(label, speeds): (&str, Vec<f64>)| {
+        let ends = [f64::min, f64::max].map(|end| speeds.iter().copied().reduce(end));
+        let mut row = vec![scene.name.as_str().into(), label.into()];
+        row.extend([scene.receivers(), azimuths, runs].map(|count| Value::from(count as f64)));
+        row.extend([median(speeds), ends[0], ends[1]].map(Value::from));
+        row
+    };
+    labels.into_iter().zip(speeds).map(row).collect()
 }
 
 /// Millions of samples a second on one core, over azimuths spread evenly, others in every run.
-fn speed(scene: &Scene, settings: &Settings, azimuths: usize, run: usize) -> f64 {
+pub fn searched(scene: &Scene, settings: &Settings, azimuths: usize, run: usize) -> f64 {
     let step = settings.azimuths / azimuths.min(settings.azimuths);
     let chosen = |major: Major| {
         let all = (0..settings.azimuths).skip((7 * run + 3) % step).step_by(step);
@@ -46,14 +64,39 @@ fn speed(scene: &Scene, settings: &Settings, azimuths: usize, run: usize) -> f64
     };
     let (mut seconds, mut samples) = (0.0, 0);
     for major in [Major::Row, Major::Column] {
-        let sweep = Sweep::new(&scene.face, 0, major, settings);
+        let search = Search::new(&scene.face, 0, major, settings);
         for direction in chosen(major) {
-            let (start, spent) = (Instant::now(), thread_seconds());
-            std::hint::black_box(sweep.elevations_rad(direction));
-            let spent = thread_seconds().zip(spent).map(|(end, start)| end - start);
-            seconds += spent.unwrap_or_else(|| start.elapsed().as_secs_f64());
+            seconds += spent(|| {
+                black_box(search.elevations_rad(direction));
+            });
             samples += scene.receivers();
         }
     }
     samples as f64 / seconds * 1e-6
+}
+
+/// The same of the trace, at a few pixels.
+fn traced(scene: &Scene, settings: &Settings, azimuths: usize) -> f64 {
+    let (tracer, level) = (Tracer::new(&scene.face, settings), &scene.face.levels[0]);
+    let pixels = Sample::of(level, TRACED_PIXELS, settings.azimuths).pixels;
+    let step = settings.azimuths / azimuths.min(settings.azimuths);
+    let mut samples = 0;
+    let seconds = spent(|| {
+        for [column, row] in &pixels {
+            let foot = level.lifted_node(column + level.margin, row + level.margin);
+            for azimuth in (0..settings.azimuths).step_by(step) {
+                black_box(tracer.skyline(foot, settings.direction(azimuth)));
+                samples += 1;
+            }
+        }
+    });
+    samples as f64 / seconds * 1e-6
+}
+
+/// Seconds that this thread spends on a core, or that pass, where the system cannot tell.
+pub fn spent(work: impl FnOnce()) -> f64 {
+    let (start, before) = (Instant::now(), thread_seconds());
+    work();
+    let spent = thread_seconds().zip(before).map(|(end, start)| end - start);
+    spent.unwrap_or_else(|| start.elapsed().as_secs_f64())
 }

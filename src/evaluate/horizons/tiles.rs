@@ -77,12 +77,12 @@ pub fn tile(
 }
 
 /// A folder that is gone when it is no longer needed.
-struct Scratch {
-    path: PathBuf,
+pub(super) struct Scratch {
+    pub path: PathBuf,
 }
 
 impl Scratch {
-    fn new() -> Result<Self, Error> {
+    pub fn new() -> Result<Self, Error> {
         let path = std::env::temp_dir().join(format!("perilune-bench-{}", std::process::id()));
         std::fs::create_dir_all(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
         Ok(Self { path })

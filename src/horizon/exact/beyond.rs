@@ -37,6 +37,8 @@ struct Sight {
     /// Major and minor map coordinates.
     place_m: DVec2,
     slope: f64,
+    /// Level, and row along the line, of the step in which the steepest slope was found.
+    touched: Option<(usize, f64)>,
 }
 
 impl<'a> Beyond<'a> {
@@ -55,17 +57,20 @@ impl<'a> Beyond<'a> {
     pub fn raise(&self, plane: &mut [f32]) {
         let r = &self.exact.receivers;
         for u in 0..r.majors {
+            // Neighbours often see the same ridge: where one has found it the next one looks first.
+            let mut touched = None;
             for v in 0..r.minors {
                 let slope = &mut plane[u * r.stride + v];
                 let foot = self.exact.foot(u, v);
                 let observer = raised(&self.exact.face.map, foot, self.exact.settings.observer_height_m);
                 let place_m = self.exact.major.split(observer.truncate());
-                let mut sight = Sight { observer, place_m, slope: f64::from(*slope) };
+                let mut sight = Sight { observer, place_m, slope: f64::from(*slope), touched };
                 let before = sight.slope;
                 self.look(&mut sight);
                 if sight.slope > before {
                     *slope = sight.slope as f32;
                 }
+                touched = sight.touched;
             }
         }
     }
@@ -87,6 +92,11 @@ impl<'a> Beyond<'a> {
     /// One stretch of a level: its parts from `STEPS` to `STEPS`, the longest that are not much longer than far.
     fn pass(&self, coarse: &Coarse, sight: &mut Sight, [from_m, to_m]: [f64; 2], search_m: f64) {
         let along = (sight.place_m.x - coarse.grid.origin_m.x) / coarse.grid.posting_m * self.ray.sign as f64;
+        if let Some((_, row)) = sight.touched.filter(|(level, _)| *level == coarse.level) {
+            for row in [row, row - 1.0, row + 1.0] {
+                self.descend(coarse, sight, 0, row, along, [from_m, to_m]);
+            }
+        }
         // The last row before the stretch; whole rows in the direction of the line.
         let mut row = (along + from_m / coarse.step_m - 1e-9).floor();
         while (row - along) * coarse.step_m < to_m.min(search_m) {
@@ -106,7 +116,10 @@ impl<'a> Beyond<'a> {
         }
         if table == 0 {
             let Sight { observer, slope, .. } = *sight;
-            sight.slope = self.exact.tracer.steepest(coarse.level, observer, self.direction, [near_m, far_m], slope);
+            let found = self.exact.tracer.steepest(coarse.level, observer, self.direction, [near_m, far_m], slope);
+            if found > slope {
+                (sight.slope, sight.touched) = (found, Some((coarse.level, row)));
+            }
             return;
         }
         let part = STEPS[table - 1];
@@ -128,7 +141,8 @@ impl<'a> Beyond<'a> {
         let across = (sight.place_m.y - grid.origin_m.y) / grid.posting_m + self.ray.minor * (row - along);
         let (u, v) = (row as isize * self.ray.sign, across.floor() as isize);
         // Before a level's first row a line has no maxima.
-        if !(0..grid.majors as isize).contains(&u) || v < -1 || v > grid.minors as isize {
+        // At a receiver's feet the facet counts, which no height bounds.
+        if near_m == 0.0 || !(0..grid.majors as isize).contains(&u) || v < -1 || v > grid.minors as isize {
             return true;
         }
         let at = grid.at(u as usize, 0).wrapping_add_signed(v);

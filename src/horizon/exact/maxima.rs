@@ -16,7 +16,7 @@ use crate::horizon::sweep::ray::Ray;
 use crate::horizon::sweep::wide::wide;
 
 /// Lengths of the stretches, in major steps.
-pub const STEPS: [usize; 3] = [8, 32, 128];
+pub const STEPS: [usize; 4] = [1, 8, 32, 128];
 
 /// Tables for all [`STEPS`], laid out as the grid's heights.
 #[derive(Debug)]
@@ -30,10 +30,12 @@ impl Maxima {
             #[inline(always)]
             || of_nodes(grid, twists_m, ray),
         );
-        let short = longer(grid, ray, &nodes, 1, STEPS[0] + 1);
-        let middle = longer(grid, ray, &short, STEPS[0], STEPS[1] / STEPS[0]);
-        let long = longer(grid, ray, &middle, STEPS[1], STEPS[2] / STEPS[1]);
-        Self { tables: [short, middle, long] }
+        // A step has two ends.
+        let single = longer(grid, ray, &nodes, 1, 2);
+        let short = longer(grid, ray, &single, STEPS[0], STEPS[1] / STEPS[0]);
+        let middle = longer(grid, ray, &short, STEPS[1], STEPS[2] / STEPS[1]);
+        let long = longer(grid, ray, &middle, STEPS[2], STEPS[3] / STEPS[2]);
+        Self { tables: [single, short, middle, long] }
     }
 }
 
