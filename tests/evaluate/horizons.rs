@@ -68,7 +68,7 @@ fn curvature_costs_less_than_the_posting_and_a_hundredth_of_a_degree() {
     for (body, latitude_deg) in [(Body::moon(), 30.0), (spheroid.clone(), 40.0)] {
         let mut face = curvature::equirectangular(&body, Geodetic::from_degrees(latitude_deg, 20.0, 0.0)).unwrap();
         let ground = |at: Position<BodyFixed>| curvature::waves_m(&body, body.geodetic_from_position(at));
-        let errors = |face: &Face| curvature::errors(&body, face, &ground, 12, 24);
+        let errors = |face: &Face| curvature::errors(&body, face, &ground, 40, 24);
         let allowed_rad = 1000.0 / (2.0 * face.map.radius_m) + 0.01_f64.to_radians();
         let found = errors(&face);
         println!("{} {:?} of {}", body.name, found.p95.to_degrees(), allowed_rad.to_degrees());

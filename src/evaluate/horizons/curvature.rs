@@ -97,7 +97,8 @@ fn row(label: &str, body: &Body, face: &Face, ground: &Ground, pixels: usize, az
     row
 }
 
-/// Traced elevations minus those in space, at pixels spread evenly over a face of one level.
+/// Traced elevations minus those in space, at pixels spread evenly over a face of one level, where there is ground as
+/// far as it counts.
 pub fn errors(body: &Body, face: &Face, ground: &Ground, pixels: usize, azimuths: usize) -> Errors {
     let settings = Settings { azimuths, observer_height_m: MAST_M, search_m: Some(REACH_M), ..Settings::default() };
     let (tracer, level) = (Tracer::new(face, &settings), &face.levels[0]);
@@ -105,10 +106,13 @@ pub fn errors(body: &Body, face: &Face, ground: &Ground, pixels: usize, azimuths
     let errors_rad = |[column, row]: &[usize; 2]| {
         let foot = level.lifted_node(column + level.margin, row + level.margin);
         let error_rad = |azimuth| {
-            let direction = settings.direction(azimuth);
-            tracer.skyline(foot, direction).elevation_rad - in_space_rad(body, face, ground, foot.truncate(), direction)
+            let (direction, at_m) = (settings.direction(azimuth), foot.truncate());
+            // Where the ground ends earlier the bare sphere beyond would count.
+            level.cell(level.grid_from_map(at_m + REACH_M * direction))?;
+            let traced_rad = tracer.skyline(foot, direction).elevation_rad;
+            Some(traced_rad - in_space_rad(body, face, ground, at_m, direction))
         };
-        (0..azimuths).map(error_rad).collect::<Vec<_>>()
+        (0..azimuths).filter_map(error_rad).collect::<Vec<_>>()
     };
     Errors::of(sample.par_iter().map(errors_rad).collect::<Vec<_>>().into_iter().flatten())
 }
