@@ -278,3 +278,25 @@ fn turning_the_map_leaves_the_horizon() {
         }
     }
 }
+
+/// A box: tan ε is its height over the distance to its front face, and level ground passes beside it.
+#[test]
+fn a_box_stands_as_high_as_its_front_face_is_near() {
+    let map = flat_map();
+    let (height_m, front_m, half_m) = (50.0, 500.0, 100.0);
+    let inside = |at: DVec2| at.x.abs() <= half_m + 1e-6 && (front_m - 1e-6..=front_m + 100.0).contains(&at.y);
+    let ground = |at: DVec2| if inside(at) { height_m } else { 0.0 };
+    let face = face(map.clone(), vec![level(&map, 129, 20.0, DVec2::ZERO, ground)]);
+    for i in -12..=12 {
+        let azimuth_rad = f64::from(i) * 0.025;
+        let across_m = front_m * azimuth_rad.tan().abs();
+        // Between the edge and the next node the box slopes down.
+        if (half_m..half_m + 25.0).contains(&across_m) {
+            continue;
+        }
+        let expected_rad = if across_m < half_m { (height_m / front_m * azimuth_rad.cos()).atan() } else { 0.0 };
+        for got_rad in both(&face, 64, 64, azimuth_rad, &Settings::default()) {
+            assert!((got_rad - expected_rad).abs() < 1e-6, "{azimuth_rad}: {got_rad} {expected_rad}");
+        }
+    }
+}

@@ -81,7 +81,7 @@ const ROUNDING_RAD: f64 = 3e-6;
 #[test]
 fn the_exact_search_meets_the_trace_on_cratered_terrain() {
     let settings = Settings { azimuths: number("AZIMUTHS", 24), ..Settings::default() };
-    let found = compare(&cratered(number("NODES", 512), 20.0, 1), 0, &settings, 512);
+    let found = compare(&cratered(number("NODES", 320), 20.0, 1), 0, &settings, 512);
     assert_exact("cratered", &found, ROUNDING_RAD);
 }
 
