@@ -21,7 +21,7 @@ pub struct Args {
 enum Bench {
     /// Speed, error and memory of horizons, and of the shadows they cast.
     Horizon {
-        /// The smallest scene only, in a third of the azimuths
+        /// One small scene, in a third of the azimuths, without the heavy tables
         #[arg(long)]
         quick: bool,
         /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.

@@ -118,10 +118,10 @@ fn beside_grass(
 }
 
 fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
-    let mut scenes = vec![Scene::synthetic(1024, 1)?];
     if options.quick {
-        return Ok(scenes);
+        return Ok(vec![Scene::synthetic(512, 1)?]);
     }
+    let mut scenes = vec![Scene::synthetic(1024, 1)?];
     scenes.push(Scene::synthetic(2048, 1)?);
     match Scene::connecting_ridge(&options.data)? {
         Some(scene) => scenes.push(scene),
