@@ -40,15 +40,16 @@ use super::trace::{Tracer, raised};
 use crate::terrain::{Face, Level};
 use angle::Place;
 use beyond::Beyond;
-use far::Far;
+use far::{BLOCK, Block, Far, Seats};
 use grid::{Grid, LANES, Major};
 use line::Placed;
 use near::Stencil;
 use ray::Ray;
-use wide::wide;
+use profile::Profile;
+use wide::{Registers, wide, widest};
 
 /// Major steps of the exact near field.
-pub const NEAR: usize = 32;
+pub const NEAR: usize = 16;
 
 /// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
 #[derive(Debug)]
@@ -89,6 +90,16 @@ impl Receivers {
         let row = u - self.margin as isize;
         (0..self.majors as isize).contains(&row).then_some(row as usize)
     }
+
+    /// Observers of a row from minor index `first` on; anything where there is none.
+    #[inline(always)]
+    fn lanes_m(&self, row: usize, first: isize) -> [f32; LANES] {
+        let start = (row * self.stride) as isize + first;
+        match self.observers_m.get(start as usize..(start + LANES as isize) as usize) {
+            Some(lanes_m) if start >= 0 => *lanes_m.first_chunk().expect("LANES"),
+            _ => std::array::from_fn(|i| *self.observers_m.get((start + i as isize) as usize).unwrap_or(&0.0)),
+        }
+    }
 }
 
 /// All that the azimuths along one major axis share.
@@ -127,54 +138,73 @@ impl<'a> Sweep<'a> {
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
         let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
-        self.near(&ray, &mut plane);
-        far.raise(&mut plane);
-        self.add_beyond(&far, &mut plane);
+        let stencil = Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0);
+        let profile = Profile::new(fine, &ray);
+        widest(
+            #[inline(always)]
+            |registers| {
+                self.slopes(registers, &far, &stencil, &profile, &mut plane);
+                self.add_beyond(registers, &far, &mut plane);
+            },
+        );
         self.finish(&ray, &mut plane);
         self.retrace(direction, &mut plane);
         plane
     }
 
-    /// Raises far slopes to those of coarser levels.
-    fn add_beyond(&self, far: &Far, slopes: &mut [f32]) {
+    /// Slopes to what lies on the level and on the next one close by, in metres per metre along the major axis.
+    #[inline(always)]
+    fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, profile: &Profile, plane: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        for mut beyond in (1..far.levels.len()).map(|level| Beyond::new(far, level)) {
+        let scale = (1.0 / fine.posting_m) as f32;
+        let mut block = Block::default();
+        for start in far.starts() {
+            far.begin(registers, start, &mut block);
+            for along in (0..fine.majors as isize).rev() {
+                let ahead = along + NEAR as isize + 1;
+                let row = far.row(&block, along);
+                // The first receiver lies above the first line.
+                let first = row.low + 1 - r.margin as isize;
+                let from = (-first).clamp(0, BLOCK as isize) as usize;
+                let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
+                let Some(u) = r.row(row.u).filter(|_| from < to) else {
+                    far.advance(registers, ahead, &mut block, profile, None);
+                    continue;
+                };
+                let observers_m = r.lanes_m(u, first);
+                let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
+                let mut slopes = near::slopes(&fine.heights_m, &self.twists_m, stencil, at, &observers_m);
+                for slope in &mut slopes {
+                    *slope *= scale;
+                }
+                let seats = Seats { row, from, to, observers_m: &observers_m };
+                far.advance(registers, ahead, &mut block, profile, Some((seats, &mut slopes)));
+                let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + from as isize)..][..to - from];
+                if from == 0 && to == BLOCK {
+                    seen.copy_from_slice(&slopes[..BLOCK]);
+                } else {
+                    seen.copy_from_slice(&slopes[from..to]);
+                }
+            }
+        }
+    }
+
+    /// Raises far slopes to those of coarser levels.
+    #[inline(always)]
+    fn add_beyond(&self, registers: Registers, far: &Far, slopes: &mut [f32]) {
+        let (fine, r) = (&self.grids[0], &self.receivers);
+        for beyond in (1..far.levels.len()).map(|level| Beyond::new(registers, far, level)) {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
                 for v in 0..r.minors {
                     let i = u * r.stride + v;
                     let y_m = (v + r.margin) as f64 * fine.posting_m;
-                    let slope = beyond.slope(x_m, y_m, r.observers_m[i]);
+                    let slope = beyond.slope(registers, x_m, y_m, r.observers_m[i]);
                     // NaN stays: it asks for a trace.
                     if slope > slopes[i] || slope.is_nan() {
                         slopes[i] = slope;
                     }
-                }
-            }
-        }
-    }
-
-    fn near(&self, ray: &Ray, plane: &mut [f32]) {
-        let stencil = Stencil::new(&self.grids[0], ray, NEAR, self.settings.observer_height_m == 0.0);
-        wide(
-            #[inline(always)]
-            || self.near_plain(&stencil, plane),
-        );
-    }
-    #[inline(always)]
-    fn near_plain(&self, stencil: &Stencil, plane: &mut [f32]) {
-        let (fine, r) = (&self.grids[0], &self.receivers);
-        let scale = (1.0 / fine.posting_m) as f32;
-        for start in (0..r.stride).step_by(LANES) {
-            for u in 0..r.majors {
-                let i = u * r.stride + start;
-                let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
-                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
-                let at = fine.at(u + r.margin, start + r.margin);
-                let near = near::slopes(&fine.heights_m, &self.twists_m, stencil, at, observers_m);
-                for i in 0..LANES {
-                    slopes[i] = near[i] * scale;
                 }
             }
         }

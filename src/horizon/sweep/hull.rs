@@ -1,104 +1,138 @@
 //! Barrett's convex hull of a line's skyline: a stack of the points that any nearer receiver can see.
 //!
-//! Points come from far to near. A vertex keeps its slope to the next one farther away, so that asking
-//! whether a point hides a vertex, or whether a receiver sees the next vertex above this one, takes one
-//! multiplication and no division.
+//! Points come from far to near. A vertex keeps the line through itself and the next one farther away, `h = c + s x`. A
+//! point below that line sees the vertex rise above all farther ones; a hull is convex, so that this holds for every vertex
+//! from the bottom of the stack up to the one that the point's tangent touches, and for none above. To find
+//! the touched vertex is to count, [`WINDOW`] at a time from the top down, without a branch; and a new point hides
+//! what lies above the vertex that its own tangent touches.
 //!
 //! # References
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
-use super::grid::NEVER_M;
+use super::wide::{Registers, lines_above};
 
-/// A vertex of the upper hull. Farther vertices lie below it in the stack.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(align(16))]
-pub struct Vertex {
-    /// Distance along the line, in metres along the major axis, growing away from the receivers.
-    x: f32,
-    height_m: f32,
-    /// Slope to the next farther vertex; −∞ at the farthest.
-    slope: f32,
+/// Vertices that are looked at together.
+const WINDOW: usize = 16;
+
+/// A point of a line: distance along it, growing away from the receivers, and height.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Point {
+    pub x: f32,
+    pub height_m: f32,
 }
 
-/// The point of a hull that a receiver sees as its skyline, from the receiver.
-#[derive(Debug, Clone, Copy)]
-pub struct Touch {
-    pub rise_m: f32,
-    pub run_m: f32,
-}
-
-/// The hull of one line.
-#[derive(Debug, Default)]
+/// The hull of one line. A window of vertices below all others, from which every point sees every other rise, stands
+/// for "nothing".
+#[derive(Debug)]
 pub struct Hull {
-    stack: Vec<Vertex>,
-    /// Where the last receiver's tangent touched.
-    touched: usize,
+    intercepts_m: Vec<f32>,
+    slopes: Vec<f32>,
+    points: Vec<Point>,
+    length: usize,
+}
+
+/// What no receiver sees: the slope to it is −10¹¹.
+const NOTHING: Point = Point { x: 1e9, height_m: -1e20 };
+
+impl Default for Hull {
+    fn default() -> Self {
+        Self {
+            intercepts_m: vec![f32::MAX; 6 * WINDOW],
+            slopes: vec![0.0; 6 * WINDOW],
+            points: vec![NOTHING; 6 * WINDOW],
+            length: WINDOW,
+        }
+    }
 }
 
 impl Hull {
     pub fn clear(&mut self) {
-        self.stack.clear();
-        self.touched = 0;
+        self.length = WINDOW;
     }
 
     /// Adds a point nearer than all others.
     #[inline(always)]
-    pub fn push(&mut self, x: f32, height_m: f32) {
-        let mut length = self.stack.len();
-        let mut slope = f32::NEG_INFINITY;
-        while length > 0 {
-            let top = self.stack[length - 1];
-            let (run, rise) = (top.x - x, top.height_m - height_m);
-            if rise > top.slope * run {
-                slope = rise / run;
-                break;
-            }
-            length -= 1;
-        }
-        self.stack.truncate(length);
-        self.stack.push(Vertex { x, height_m, slope });
+    pub fn push(&mut self, registers: Registers, point: Point) {
+        let [touched] = self.touched(registers, self.length, [point]);
+        self.push_on(touched, point);
     }
 
-    /// Where the tangent from a receiver nearer than all points touches; a rise of [`NEVER_M`] where the hull
-    /// has no points.
+    /// Adds a point whose tangent touches the vertex `touched`, and hides those above.
     #[inline(always)]
-    pub fn tangent(&mut self, x: f32, height_m: f32) -> Touch {
-        self.tangent_of(self.stack.len(), x, height_m)
+    fn push_on(&mut self, touched: usize, point: Point) {
+        let top = touched + 1;
+        if top >= self.points.len() {
+            self.grow();
+        }
+        let farther = self.points[touched];
+        let slope = (farther.height_m - point.height_m) / (farther.x - point.x);
+        self.intercepts_m[top] = (-slope).mul_add(point.x, point.height_m);
+        self.slopes[top] = slope;
+        self.points[top] = point;
+        self.length = top + 1;
     }
 
-    /// [`Self::tangent`] for a receiver that some of the nearest points may lie behind: those do not count.
-    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> Touch {
-        let ahead = self.stack.partition_point(|vertex| vertex.x > x);
-        self.tangent_of(ahead, x, height_m)
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        let length = 2 * self.points.len() + WINDOW;
+        self.intercepts_m.resize(length, 0.0);
+        self.slopes.resize(length, 0.0);
+        self.points.resize(length, Point::default());
     }
 
-    /// The tangent to the farthest `length` vertices, searched from where the last one touched.
+    /// Where the tangents from receivers nearer than all points touch, and where `point` touches; then adds `point`.
     #[inline(always)]
-    fn tangent_of(&mut self, length: usize, x: f32, height_m: f32) -> Touch {
-        let stack = &self.stack[..length];
-        if stack.is_empty() {
-            return Touch { rise_m: NEVER_M, run_m: 1.0 };
+    pub fn serve_and_push(&mut self, registers: Registers, receivers: [Point; 2], point: Point) -> [Point; 2] {
+        let [pushed, a, b] = self.touched(registers, self.length, [point, receivers[0], receivers[1]]);
+        let touches = [self.points[a], self.points[b]];
+        self.push_on(pushed, point);
+        touches
+    }
+
+    /// Where the tangent from a receiver touches, which some of the nearest points may lie behind: those do not count.
+    #[inline(always)]
+    pub fn tangent_beyond(&self, registers: Registers, receiver: Point) -> Point {
+        let points = &self.points[WINDOW..self.length];
+        let ahead = match points.last() {
+            Some(nearest) if nearest.x <= receiver.x => points.partition_point(|point| point.x > receiver.x),
+            _ => points.len(),
+        };
+        let [touched] = self.touched(registers, WINDOW + ahead, [receiver]);
+        self.points[touched]
+    }
+
+    /// The vertices among the farthest `length` that tangents touch.
+    #[inline(always)]
+    fn touched<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
+        let counts = self.count(registers, length, from);
+        if counts.iter().any(|count| *count == 0) {
+            return self.touched_deep(length, from);
         }
-        let mut touched = self.touched.min(stack.len() - 1);
-        let mut vertex = stack[touched];
-        // Is the next vertex farther away above the line of sight to this one?
-        let below = |vertex: Vertex| vertex.height_m - height_m < vertex.slope * (vertex.x - x);
-        if below(vertex) {
-            while below(vertex) {
-                touched -= 1;
-                vertex = stack[touched];
+        counts.map(|count| length - WINDOW + count - 1)
+    }
+
+    /// How many of the window of vertices below `length` points see rise above all farther ones.
+    #[inline(always)]
+    fn count<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
+        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[length - WINDOW..length].try_into().expect("WINDOW");
+        let slopes: &[f32; WINDOW] = self.slopes[length - WINDOW..length].try_into().expect("WINDOW");
+        from.map(|point| lines_above(registers, intercepts_m, slopes, point.x, point.height_m) as usize)
+    }
+
+    /// [`Self::touched`] by halving, where more than a window of vertices lies above one.
+    #[cold]
+    #[inline(never)]
+    fn touched_deep<const N: usize>(&self, length: usize, from: [Point; N]) -> [usize; N] {
+        from.map(|point| {
+            let (mut seen, mut hidden) = (WINDOW - 1, length);
+            while hidden - seen > 1 {
+                let middle = seen.midpoint(hidden);
+                let above = self.slopes[middle].mul_add(point.x, self.intercepts_m[middle]) >= point.height_m;
+                *(if above { &mut seen } else { &mut hidden }) = middle;
             }
-        } else {
-            while let Some(nearer) = stack.get(touched + 1) {
-                if below(*nearer) {
-                    break;
-                }
-                touched += 1;
-                vertex = *nearer;
-            }
-        }
-        self.touched = touched;
-        Touch { rise_m: vertex.height_m - height_m, run_m: vertex.x - x }
+            seen
+        })
     }
 }
 
@@ -107,25 +141,29 @@ mod tests {
     use super::*;
 
     /// The steepest of all points, looked at one by one.
-    fn steepest(points: &[(f32, f32)], x: f32, height_m: f32) -> f32 {
-        points.iter().map(|(px, h)| (h - height_m) / (px - x)).fold(f32::NEG_INFINITY, f32::max)
+    fn steepest(points: &[Point], x: f32, height_m: f32) -> f32 {
+        points.iter().map(|point| (point.height_m - height_m) / (point.x - x)).fold(f32::NEG_INFINITY, f32::max)
     }
 
     #[test]
     fn a_tangent_is_the_steepest_of_all_points() {
-        let (mut hull, mut points) = (Hull::default(), Vec::new());
-        for step in 0..2000 {
-            let x = -10.0 * step as f32;
-            // Any bumpy profile: no two waves in step.
-            let phase = step as f32;
-            let height_m = 200.0 * (0.011 * phase).sin() + 40.0 * (0.173 * phase).cos() + 9.0 * (1.9 * phase).sin();
-            hull.push(x, height_m);
-            points.push((x, height_m));
-            for (nearer_m, receiver_m) in [(10.0, height_m), (300.0, -150.0), (45.0, 260.0)] {
-                let touch = hull.tangent(x - nearer_m, receiver_m);
-                let expected = steepest(&points, x - nearer_m, receiver_m);
-                // Hull slopes are rounded to 1e-7 of some units.
-                assert!((touch.rise_m / touch.run_m - expected).abs() < 1e-5, "{step}: {touch:?} {expected}");
+        for curvature in [0.0, 1e-3] {
+            let (mut hull, mut points) = (Hull::default(), Vec::new());
+            for step in 0..2000 {
+                let x = 10_000.0 - 10.0 * step as f32;
+                // Any bumpy profile: no two waves in step. Curved enough, all its points are vertices.
+                let phase = step as f32;
+                let bumps_m = 200.0 * (0.011 * phase).sin() + 40.0 * (0.173 * phase).cos() + 9.0 * (1.9 * phase).sin();
+                let height_m = if curvature == 0.0 { bumps_m } else { -curvature * x * x };
+                let receivers = [Point { x: x - 300.0, height_m: -150.0 }, Point { x: x - 45.0, height_m: 260.0 }];
+                let touches = hull.serve_and_push(Registers::Any, receivers, Point { x, height_m });
+                for (touch, from) in touches.into_iter().zip(receivers).filter(|_| step > 0) {
+                    let expected = steepest(&points, from.x, from.height_m);
+                    // Lines through vertices are rounded to 1e-3 m, and points are 45 m away or more.
+                    let got = (touch.height_m - from.height_m) / (touch.x - from.x);
+                    assert!((got - expected).abs() < 2e-5, "{step}: {touch:?} {expected}");
+                }
+                points.push(Point { x, height_m });
             }
         }
     }
@@ -134,10 +172,11 @@ mod tests {
     fn points_behind_a_receiver_do_not_count() {
         let mut hull = Hull::default();
         for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
-            hull.push(x, height_m);
+            hull.push(Registers::Any, Point { x, height_m });
         }
-        let touch = hull.tangent_beyond(150.0, 0.0);
-        assert_eq!((touch.rise_m, touch.run_m), (28.0, 50.0));
-        assert!(Hull::default().tangent_beyond(0.0, 0.0).rise_m < -1e29);
+        let from = |x| Point { x, height_m: 0.0 };
+        assert_eq!(hull.tangent_beyond(Registers::Any, from(150.0)), Point { x: 200.0, height_m: 28.0 });
+        assert_eq!(hull.tangent_beyond(Registers::Any, from(50.0)), Point { x: 100.0, height_m: 20.0 });
+        assert_eq!(Hull::default().tangent_beyond(Registers::Any, from(0.0)), NOTHING);
     }
 }

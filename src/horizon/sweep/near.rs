@@ -14,12 +14,15 @@
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
 
+/// Major steps within which the surface between two crossings is searched exactly, and not in its middle.
+const EXACT: f64 = 4.0;
+
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    /// Offsets of the two nodes beside it, and their shares.
+    /// Offsets of the two nodes beside it, and the share of the second.
     nodes: [isize; 2],
-    shares: [f32; 2],
+    share: f32,
     /// One over the distance in major steps.
     inverse: f32,
     /// Offset of the twist of the cell before.
@@ -30,12 +33,16 @@ struct Crossing {
     leave_squared: f32,
     sum: f32,
     inverse_run: f32,
+    /// The slope half way: of the heights at both ends, and of the twist.
+    middle: [f32; 2],
 }
 
 /// All crossings of one azimuth up to a reach.
 #[derive(Debug)]
 pub struct Stencil {
     crossings: Vec<Crossing>,
+    /// How many of them are exact.
+    exact: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -55,7 +62,8 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        Self { crossings, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        let exact = steps.iter().filter(|step| **step <= EXACT).count();
+        Self { crossings, exact, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -74,9 +82,10 @@ impl Crossing {
         let share = if share < 1e-6 { 0.0 } else { share as f32 };
         let middle = 0.5 * (from + to);
         let cell = node((ray.sign as f64 * middle).floor(), (ray.minor * middle).floor());
+        let bulge = -0.25 * (to - from) * (to - from) * ray.sign as f64 * ray.minor;
         Self {
             nodes,
-            shares: [1.0 - share, share],
+            share,
             inverse: (1.0 / to) as f32,
             cell,
             enter: from as f32,
@@ -84,6 +93,7 @@ impl Crossing {
             leave_squared: (to * to) as f32,
             sum: (from + to) as f32,
             inverse_run: (1.0 / (to - from)) as f32,
+            middle: [(0.5 / middle) as f32, (bulge / middle) as f32],
         }
     }
 }
@@ -103,14 +113,14 @@ pub fn slopes(
         // A gap's own height is filled.
         before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
     }
-    for (order, crossing) in stencil.crossings.iter().enumerate() {
+    let (exact, others) = stencil.crossings.split_at(stencil.exact);
+    for (order, crossing) in exact.iter().enumerate() {
         let a = lanes(heights_m, at, crossing.nodes[0]);
         let b = lanes(heights_m, at, crossing.nodes[1]);
         let twist = lanes(twists_m, at, crossing.cell);
-        let [share_a, share_b] = crossing.shares;
         let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
-            let here = share_a * a[i] + share_b * b[i] - observers_m[i];
+            let here = crossing.rise_m(a[i], b[i], observers_m[i]);
             let c2 = stencil.bend * twist[i];
             let c1 = (here - before[i]) * crossing.inverse_run - c2 * crossing.sum;
             let c0 = before[i] - c1 * crossing.enter - c2 * crossing.enter_squared;
@@ -122,7 +132,25 @@ pub fn slopes(
             before[i] = here;
         }
     }
+    for crossing in others {
+        let a = lanes(heights_m, at, crossing.nodes[0]);
+        let b = lanes(heights_m, at, crossing.nodes[1]);
+        let twist = lanes(twists_m, at, crossing.cell);
+        for i in 0..LANES {
+            let here = crossing.rise_m(a[i], b[i], observers_m[i]);
+            let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
+            best[i] = larger(larger(best[i], here * crossing.inverse), middle);
+            before[i] = here;
+        }
+    }
     best
+}
+
+impl Crossing {
+    #[inline(always)]
+    fn rise_m(&self, a: f32, b: f32, observer_m: f32) -> f32 {
+        self.share.mul_add(b, (1.0 - self.share).mul_add(a, -observer_m))
+    }
 }
 
 #[inline(always)]
