@@ -43,13 +43,15 @@ use beyond::Beyond;
 use far::{BLOCK, Block, Far, Seats};
 use grid::{Grid, LANES, Major};
 use line::Placed;
-use near::Stencil;
+use near::{Site, Stencil, larger, largest};
 use ray::Ray;
 use profile::Profile;
 use wide::{Registers, wide, widest};
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
+/// Near slopes that may be this much too low are searched again: 0.01°.
+const HUMP: f32 = 2e-4;
 
 /// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
 #[derive(Debug)]
@@ -173,12 +175,24 @@ impl<'a> Sweep<'a> {
                 };
                 let observers_m = r.lanes_m(u, first);
                 let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
-                let mut slopes = near::slopes(&fine.heights_m, &self.twists_m, stencil, at, &observers_m);
+                let site =
+                    Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
+                let [mut slopes, perhaps] = site.slopes(stencil);
                 for slope in &mut slopes {
                     *slope *= scale;
                 }
                 let seats = Seats { row, from, to, observers_m: &observers_m };
                 far.advance(registers, ahead, &mut block, profile, Some((seats, &mut slopes)));
+                let mut missed = [0.0; LANES];
+                for k in 0..LANES {
+                    missed[k] = perhaps[k] * scale - slopes[k];
+                }
+                if largest(&missed) > HUMP {
+                    let exact = site.exact_slopes(stencil);
+                    for k in 0..LANES {
+                        slopes[k] = larger(slopes[k], exact[k] * scale);
+                    }
+                }
                 let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + from as isize)..][..to - from];
                 if from == 0 && to == BLOCK {
                     seen.copy_from_slice(&slopes[..BLOCK]);

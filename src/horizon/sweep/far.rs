@@ -12,7 +12,7 @@ use super::Receivers;
 use super::grid::{Grid, LANES, NEVER_M};
 use super::hull::{Hull, Point};
 use super::line::{Line, Placed};
-use super::near::larger;
+use super::near::{larger, largest};
 use super::profile::Profile;
 use super::ray::Ray;
 use super::wide::Registers;
@@ -23,8 +23,8 @@ const LINES: usize = LANES;
 pub const BLOCK: usize = LINES - 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 pub const RING: f64 = 32.0;
-/// Difference between the slopes of two lines above which a receiver searches its own: 0.06°.
-const AGREEMENT: f32 = 1e-3;
+/// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
+const AGREEMENT: f32 = 2e-4;
 
 /// Everything the far field of one azimuth is made from.
 #[derive(Debug)]
@@ -152,8 +152,8 @@ impl<'a> Far<'a> {
         match seats {
             Some((seats, slopes)) => self.serve(registers, &row, &heights_m, block, profile, &seats, slopes),
             None if crosses => {
-                for (hull, height_m) in block.hulls.iter_mut().zip(heights_m) {
-                    hull.push(registers, Point { x: row.x, height_m });
+                for k in 0..LINES {
+                    block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
                 }
             }
             None => (),
@@ -174,10 +174,10 @@ impl<'a> Far<'a> {
     ) {
         let (x, observers_m) = (seats.row.x, seats.observers_m);
         // Where the tangents of each receiver touch the lines below and above it.
-        let mut touches = [[Point::default(); LINES]; 2];
+        let mut touches = [[Point { x: x + 1.0, height_m: NEVER_M }; LINES]; 2];
         let mut lower_m = observers_m[0];
         for k in 0..LINES {
-            let receivers = [lower_m, observers_m[k]].map(|height_m| Point { x, height_m });
+            let receivers = [Point { x, height_m: lower_m }, Point { x, height_m: observers_m[k] }];
             let point = Point { x: ahead.x, height_m: ahead_m[k] };
             let [above, below] = block.hulls[k].serve_and_push(registers, receivers, point);
             touches[0][k] = below;
@@ -189,31 +189,40 @@ impl<'a> Far<'a> {
         let share = seats.row.share as f32;
         let ahead_run_m = ahead.x - x;
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
-        let (mut mixed, mut doubts) = ([0.0; LINES], [0.0; LINES]);
+        let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
         let search_x = self.search_x();
-        for k in 0..BLOCK {
+        let mut next_m = [NEVER_M; LINES];
+        next_m[..BLOCK].copy_from_slice(&ahead_m[1..]);
+        for k in 0..LINES {
             let steeper = |touch: Point, ahead_m: f32| {
                 let (rise, run) = (touch.height_m - observers_m[k], touch.x - x);
                 let ahead_rise = ahead_m - observers_m[k];
                 if ahead_rise * run > rise * ahead_run_m { (ahead_rise, ahead_run_m) } else { (rise, run) }
             };
             let (rise_a, run_a) = steeper(touches[0][k], ahead_m[k]);
-            let (rise_b, run_b) = steeper(touches[1][k], ahead_m[k + 1]);
+            let (rise_b, run_b) = steeper(touches[1][k], next_m[k]);
             let inverse = 1.0 / (run_a * run_b);
             let (below, above) = (rise_a * run_b * inverse, rise_b * run_a * inverse);
             mixed[k] = share * below + (1.0 - share) * above;
             (runs_m[0][k], runs_m[1][k]) = (run_a, run_b);
             (tangents[0][k], tangents[1][k]) = (below, above);
-            let seen = larger(below, above) > slopes[k];
-            let doubt = if seen { (below - above).abs() } else { 0.0 };
-            let lost = ((run_a > search_x) & (below > slopes[k])) | ((run_b > search_x) & (above > slopes[k]));
-            doubts[k] = if lost { f32::INFINITY } else { doubt };
+            turns[k + 1] = above - below;
+            let too_far = ((run_a > search_x) & (below > slopes[k])) | ((run_b > search_x) & (above > slopes[k]));
+            lost[k] = if too_far { f32::INFINITY } else { 0.0 };
         }
-        let mut worst = 0.0;
-        for k in 0..BLOCK {
-            worst = larger(worst, doubts[k]);
+        // The outermost receivers have a neighbour on one side.
+        (turns[0], turns[LINES]) = (turns[1], turns[BLOCK]);
+        // Linear interpolation errs by `share (1 − share)/2` of the second difference.
+        let weight = 0.5 * share * (1.0 - share);
+        let mut doubts = [0.0; LINES];
+        for k in 0..LINES {
+            let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
+            let seen = larger(tangents[0][k], tangents[1][k]) > slopes[k];
+            doubts[k] = larger(if seen { weight * bends } else { 0.0 }, lost[k]);
         }
-        for k in 0..BLOCK {
+        doubts[BLOCK] = 0.0;
+        let worst = largest(&doubts);
+        for k in 0..LINES {
             slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
         }
         if worst > AGREEMENT {
@@ -273,8 +282,8 @@ impl<'a> Far<'a> {
             let chord_m = rest * heights_m[k] + along * block.beyond_m[k];
             above_m[k] = if height_m > chord_m { height_m } else { NEVER_M };
         }
-        for (hull, height_m) in block.hulls.iter_mut().zip(above_m) {
-            hull.push(registers, Point { x, height_m });
+        for k in 0..LINES {
+            block.hulls[k].push(registers, Point { x, height_m: above_m[k] });
         }
     }
 

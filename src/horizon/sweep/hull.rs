@@ -105,19 +105,15 @@ impl Hull {
     /// The vertices among the farthest `length` that tangents touch.
     #[inline(always)]
     fn touched<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
-        let counts = self.count(registers, length, from);
-        if counts.iter().any(|count| *count == 0) {
-            return self.touched_deep(length, from);
+        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[length - WINDOW..length].first_chunk().expect("WINDOW");
+        let slopes: &[f32; WINDOW] = self.slopes[length - WINDOW..length].first_chunk().expect("WINDOW");
+        let (mut touched, mut fewest) = ([0; N], WINDOW);
+        for i in 0..N {
+            let count = lines_above(registers, intercepts_m, slopes, from[i].x, from[i].height_m) as usize;
+            touched[i] = (length - WINDOW + count).wrapping_sub(1);
+            fewest = fewest.min(count);
         }
-        counts.map(|count| length - WINDOW + count - 1)
-    }
-
-    /// How many of the window of vertices below `length` points see rise above all farther ones.
-    #[inline(always)]
-    fn count<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
-        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[length - WINDOW..length].try_into().expect("WINDOW");
-        let slopes: &[f32; WINDOW] = self.slopes[length - WINDOW..length].try_into().expect("WINDOW");
-        from.map(|point| lines_above(registers, intercepts_m, slopes, point.x, point.height_m) as usize)
+        if fewest == 0 { self.touched_deep(length, from) } else { touched }
     }
 
     /// [`Self::touched`] by halving, where more than a window of vertices lies above one.

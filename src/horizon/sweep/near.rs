@@ -13,9 +13,10 @@
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
+use super::wide::wide;
 
-/// Major steps within which the surface between two crossings is searched exactly, and not in its middle.
-const EXACT: f64 = 4.0;
+/// Major steps within which the surface between two crossings is always searched exactly.
+const EXACT: f64 = 2.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +36,8 @@ struct Crossing {
     inverse_run: f32,
     /// The slope half way: of the heights at both ends, and of the twist.
     middle: [f32; 2],
+    /// By how much a twist of 1 may raise a slope in between above the three.
+    hump: f32,
 }
 
 /// All crossings of one azimuth up to a reach.
@@ -94,33 +97,89 @@ impl Crossing {
             sum: (from + to) as f32,
             inverse_run: (1.0 / (to - from)) as f32,
             middle: [(0.5 / middle) as f32, (bulge / middle) as f32],
+            hump: (bulge.abs() / (4.0 * from.max(0.1))) as f32,
         }
     }
 }
 
-/// The steepest near slope of `LANES` receivers from node `at` on, in metres per major step.
-#[inline(always)]
-pub fn slopes(
-    heights_m: &[f32],
-    twists_m: &[f32],
-    stencil: &Stencil,
-    at: usize,
-    observers_m: &[f32; LANES],
-) -> [f32; LANES] {
-    let mut best = [NEVER_M; LANES];
-    let mut before = *lanes(heights_m, at, 0);
-    for i in 0..LANES {
-        // A gap's own height is filled.
-        before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
+/// The receivers of a row, from node `at` on, and what lies around them.
+#[derive(Debug, Clone, Copy)]
+pub struct Site<'a> {
+    pub heights_m: &'a [f32],
+    pub twists_m: &'a [f32],
+    pub at: usize,
+    pub observers_m: &'a [f32; LANES],
+}
+
+impl Site<'_> {
+    /// Heights of the ground above the observers.
+    #[inline(always)]
+    fn ground_m(&self) -> [f32; LANES] {
+        let mut ground_m = *lanes(self.heights_m, self.at, 0);
+        for i in 0..LANES {
+            // A gap's own height is filled.
+            ground_m[i] = if ground_m[i] > NEVER_M { ground_m[i] - self.observers_m[i] } else { 0.0 };
+        }
+        ground_m
     }
-    let (exact, others) = stencil.crossings.split_at(stencil.exact);
-    for (order, crossing) in exact.iter().enumerate() {
-        let a = lanes(heights_m, at, crossing.nodes[0]);
-        let b = lanes(heights_m, at, crossing.nodes[1]);
-        let twist = lanes(twists_m, at, crossing.cell);
+
+    /// The steepest near slopes, in metres per major step, but for humps between crossings; and what they may be with those.
+    #[inline(always)]
+    pub fn slopes(&self, stencil: &Stencil) -> [[f32; LANES]; 2] {
+        let mut best = [NEVER_M; LANES];
+        let mut before = self.ground_m();
+        let (exact, others) = stencil.crossings.split_at(stencil.exact);
+        for (order, crossing) in exact.iter().enumerate() {
+            self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
+        }
+        let mut perhaps = best;
+        for crossing in others {
+            let a = lanes(self.heights_m, self.at, crossing.nodes[0]);
+            let b = lanes(self.heights_m, self.at, crossing.nodes[1]);
+            let twist = lanes(self.twists_m, self.at, crossing.cell);
+            for i in 0..LANES {
+                let here = crossing.rise_m(a[i], b[i], self.observers_m[i]);
+                let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
+                let sampled = larger(here * crossing.inverse, middle);
+                best[i] = larger(best[i], sampled);
+                perhaps[i] = larger(perhaps[i], crossing.hump.mul_add(twist[i].abs(), sampled));
+                before[i] = here;
+            }
+        }
+        [best, perhaps]
+    }
+
+    /// The steepest near slopes.
+    #[inline(never)]
+    pub fn exact_slopes(&self, stencil: &Stencil) -> [f32; LANES] {
+        wide(
+            #[inline(always)]
+            || {
+                let mut best = [NEVER_M; LANES];
+                let mut before = self.ground_m();
+                for (order, crossing) in stencil.crossings.iter().enumerate() {
+                    self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
+                }
+                best
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn pass_exactly(
+        &self,
+        stencil: &Stencil,
+        order: usize,
+        crossing: &Crossing,
+        before: &mut [f32; LANES],
+        best: &mut [f32; LANES],
+    ) {
+        let a = lanes(self.heights_m, self.at, crossing.nodes[0]);
+        let b = lanes(self.heights_m, self.at, crossing.nodes[1]);
+        let twist = lanes(self.twists_m, self.at, crossing.cell);
         let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
-            let here = crossing.rise_m(a[i], b[i], observers_m[i]);
+            let here = crossing.rise_m(a[i], b[i], self.observers_m[i]);
             let c2 = stencil.bend * twist[i];
             let c1 = (here - before[i]) * crossing.inverse_run - c2 * crossing.sum;
             let c0 = before[i] - c1 * crossing.enter - c2 * crossing.enter_squared;
@@ -132,18 +191,6 @@ pub fn slopes(
             before[i] = here;
         }
     }
-    for crossing in others {
-        let a = lanes(heights_m, at, crossing.nodes[0]);
-        let b = lanes(heights_m, at, crossing.nodes[1]);
-        let twist = lanes(twists_m, at, crossing.cell);
-        for i in 0..LANES {
-            let here = crossing.rise_m(a[i], b[i], observers_m[i]);
-            let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
-            best[i] = larger(larger(best[i], here * crossing.inverse), middle);
-            before[i] = here;
-        }
-    }
-    best
 }
 
 impl Crossing {
@@ -163,4 +210,21 @@ fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
 #[inline(always)]
 pub fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
+}
+
+/// The largest of some numbers, none of which is NaN.
+#[inline(always)]
+pub fn largest(numbers: &[f32; LANES]) -> f32 {
+    let mut half = [0.0; LANES / 2];
+    for i in 0..LANES / 2 {
+        half[i] = larger(numbers[i], numbers[i + LANES / 2]);
+    }
+    let mut length = LANES / 4;
+    while length > 0 {
+        for i in 0..length {
+            half[i] = larger(half[i], half[i + length]);
+        }
+        length /= 2;
+    }
+    half[0]
 }
