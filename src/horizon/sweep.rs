@@ -46,10 +46,12 @@ use line::Placed;
 use near::{Site, Stencil, larger, largest};
 use ray::Ray;
 use profile::Profile;
-use wide::{Registers, wide, widest};
+use wide::{Registers, prefetch, wide, widest};
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
+/// Blocks of lines worked on side by side: the rows of four arrays lie on as many pages, which the processor has to find.
+const GROUP: usize = 4;
 /// Near slopes that may be this much too low are searched again: 0.01°.
 const HUMP: f32 = 2e-4;
 
@@ -157,49 +159,76 @@ impl<'a> Sweep<'a> {
     /// Slopes to what lies on the level and on the next one close by, in metres per metre along the major axis.
     #[inline(always)]
     fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, profile: &Profile, plane: &mut [f32]) {
-        let (fine, r) = (&self.grids[0], &self.receivers);
-        let scale = (1.0 / fine.posting_m) as f32;
-        let mut block = Block::default();
-        for start in far.starts() {
-            far.begin(registers, start, &mut block);
+        let fine = &self.grids[0];
+        let mut blocks: [Block; GROUP] = std::array::from_fn(|_| Block::default());
+        for start in far.starts().step_by(GROUP) {
+            for (i, block) in blocks.iter_mut().enumerate() {
+                far.begin(registers, start + (i * BLOCK) as isize, block);
+            }
             for along in (0..fine.majors as isize).rev() {
-                let ahead = along + NEAR as isize + 1;
-                let row = far.row(&block, along);
-                // The first receiver lies above the first line.
-                let first = row.low + 1 - r.margin as isize;
-                let from = (-first).clamp(0, BLOCK as isize) as usize;
-                let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
-                let Some(u) = r.row(row.u).filter(|_| from < to) else {
-                    far.advance(registers, ahead, &mut block, profile, None);
-                    continue;
-                };
-                let observers_m = r.lanes_m(u, first);
-                let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
-                let site =
-                    Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
-                let [mut slopes, perhaps] = site.slopes(stencil);
-                for slope in &mut slopes {
-                    *slope *= scale;
-                }
-                let seats = Seats { row, from, to, observers_m: &observers_m };
-                far.advance(registers, ahead, &mut block, profile, Some((seats, &mut slopes)));
-                let mut missed = [0.0; LANES];
-                for k in 0..LANES {
-                    missed[k] = perhaps[k] * scale - slopes[k];
-                }
-                if largest(&missed) > HUMP {
-                    let exact = site.exact_slopes(stencil);
-                    for k in 0..LANES {
-                        slopes[k] = larger(slopes[k], exact[k] * scale);
-                    }
-                }
-                let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + from as isize)..][..to - from];
-                if from == 0 && to == BLOCK {
-                    seen.copy_from_slice(&slopes[..BLOCK]);
-                } else {
-                    seen.copy_from_slice(&slopes[from..to]);
+                for block in &mut blocks {
+                    self.serve(registers, far, stencil, profile, along, block, plane);
                 }
             }
+        }
+    }
+
+    /// The receivers of a block in one row.
+    #[inline(always)]
+    fn serve(
+        &self,
+        registers: Registers,
+        far: &Far,
+        stencil: &Stencil,
+        profile: &Profile,
+        along: isize,
+        block: &mut Block,
+        plane: &mut [f32],
+    ) {
+        let (fine, r) = (&self.grids[0], &self.receivers);
+        let scale = (1.0 / fine.posting_m) as f32;
+        let ahead = along + NEAR as isize + 1;
+        let row = far.row(block, along);
+        // The first receiver lies above the first line.
+        let first = row.low + 1 - r.margin as isize;
+        let from = (-first).clamp(0, BLOCK as isize) as usize;
+        let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
+        let Some(u) = r.row(row.u).filter(|_| from < to) else {
+            far.advance(registers, ahead, block, profile, None);
+            return;
+        };
+        let observers_m = r.lanes_m(u, first);
+        // The next row is a page away, where no processor guesses it.
+        let next = far.row(block, along - 1);
+        let next_row = (next.u - r.margin as isize) * r.stride as isize + next.low - r.margin as isize;
+        let next_at = fine.at(0, 0).wrapping_add_signed(next.u * fine.stride as isize + next.low);
+        for lane in [0, 16, 32] {
+            prefetch(&r.observers_m, next_row.wrapping_add(lane) as usize);
+            prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
+        }
+        let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
+        let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
+        let [mut slopes, perhaps] = site.slopes(stencil);
+        for slope in &mut slopes {
+            *slope *= scale;
+        }
+        let seats = Seats { row, from, to, observers_m: &observers_m };
+        far.advance(registers, ahead, block, profile, Some((seats, &mut slopes)));
+        let mut missed = [0.0; LANES];
+        for k in 0..LANES {
+            missed[k] = perhaps[k] * scale - slopes[k];
+        }
+        if largest(&missed) > HUMP {
+            let exact = site.exact_slopes(stencil);
+            for k in 0..LANES {
+                slopes[k] = larger(slopes[k], exact[k] * scale);
+            }
+        }
+        let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + from as isize)..][..to - from];
+        if from == 0 && to == BLOCK {
+            seen.copy_from_slice(&slopes[..BLOCK]);
+        } else {
+            seen.copy_from_slice(&slopes[from..to]);
         }
     }
 

@@ -174,16 +174,26 @@ impl<'a> Far<'a> {
     ) {
         let (x, observers_m) = (seats.row.x, seats.observers_m);
         // Where the tangents of each receiver touch the lines below and above it.
-        let mut touches = [[Point { x: x + 1.0, height_m: NEVER_M }; LINES]; 2];
+        let mut touches = [[Point::default(); LINES]; 2];
         let mut lower_m = observers_m[0];
+        let (mut touched, mut farther) = ([0; LINES], [Point::default(); LINES]);
         for k in 0..LINES {
-            let receivers = [Point { x, height_m: lower_m }, Point { x, height_m: observers_m[k] }];
-            let point = Point { x: ahead.x, height_m: ahead_m[k] };
-            let [above, below] = block.hulls[k].serve_and_push(registers, receivers, point);
+            let from = [Point { x: ahead.x, height_m: ahead_m[k] }, Point { x, height_m: lower_m }, Point { x, height_m: observers_m[k] }];
+            let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
+            (touched[k], farther[k]) = (vertex, hidden);
             touches[0][k] = below;
             // The first line lies above no receiver: its touch is overwritten.
             touches[1][k.saturating_sub(1)] = above;
             lower_m = observers_m[k];
+        }
+        let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
+        for k in 0..LINES {
+            let slope = (farther[k].height_m - ahead_m[k]) / (farther[k].x - ahead.x);
+            lines[k] = slope;
+            intercepts_m[k] = (-slope).mul_add(ahead.x, ahead_m[k]);
+        }
+        for k in 0..LINES {
+            block.hulls[k].put(touched[k], Point { x: ahead.x, height_m: ahead_m[k] }, lines[k], intercepts_m[k]);
         }
         // A receiver lies `1 − share` above its lower line.
         let share = seats.row.share as f32;

@@ -21,14 +21,17 @@ pub struct Point {
     pub height_m: f32,
 }
 
+/// Vertices that a hull holds. Few have more than 50; a smooth dome is all hull.
+const CAPACITY: usize = 128;
+
 /// The hull of one line. A window of vertices below all others, from which every point sees every other rise, stands
 /// for "nothing".
 #[derive(Debug)]
 pub struct Hull {
-    intercepts_m: Vec<f32>,
-    slopes: Vec<f32>,
-    points: Vec<Point>,
     length: usize,
+    intercepts_m: [f32; CAPACITY + WINDOW],
+    slopes: [f32; CAPACITY + WINDOW],
+    points: [Point; CAPACITY + WINDOW],
 }
 
 /// What no receiver sees: the slope to it is −10¹¹.
@@ -37,10 +40,10 @@ const NOTHING: Point = Point { x: 1e9, height_m: -1e20 };
 impl Default for Hull {
     fn default() -> Self {
         Self {
-            intercepts_m: vec![f32::MAX; 6 * WINDOW],
-            slopes: vec![0.0; 6 * WINDOW],
-            points: vec![NOTHING; 6 * WINDOW],
             length: WINDOW,
+            intercepts_m: [f32::MAX; CAPACITY + WINDOW],
+            slopes: [0.0; CAPACITY + WINDOW],
+            points: [NOTHING; CAPACITY + WINDOW],
         }
     }
 }
@@ -60,34 +63,43 @@ impl Hull {
     /// Adds a point whose tangent touches the vertex `touched`, and hides those above.
     #[inline(always)]
     fn push_on(&mut self, touched: usize, point: Point) {
-        let top = touched + 1;
-        if top >= self.points.len() {
-            self.grow();
-        }
         let farther = self.points[touched];
         let slope = (farther.height_m - point.height_m) / (farther.x - point.x);
-        self.intercepts_m[top] = (-slope).mul_add(point.x, point.height_m);
-        self.slopes[top] = slope;
-        self.points[top] = point;
-        self.length = top + 1;
+        self.put(touched, point, slope, (-slope).mul_add(point.x, point.height_m));
     }
 
+    /// [`Self::push_on`] with the line through both points at hand.
+    #[inline(always)]
+    pub fn put(&mut self, touched: usize, point: Point, slope: f32, intercept_m: f32) {
+        let touched = if touched + 1 < CAPACITY { touched } else { self.thin_out(touched) };
+        // Never out of bounds, and the compiler sees it.
+        let touched = touched % CAPACITY;
+        self.intercepts_m[touched + 1] = intercept_m;
+        self.slopes[touched + 1] = slope;
+        self.points[touched + 1] = point;
+        self.length = touched + 2;
+    }
+
+    /// Drops every other vertex of the farther half of a hull that ends with the vertex `last`, and returns where that is now.
     #[cold]
     #[inline(never)]
-    fn grow(&mut self) {
-        let length = 2 * self.points.len() + WINDOW;
-        self.intercepts_m.resize(length, 0.0);
-        self.slopes.resize(length, 0.0);
-        self.points.resize(length, Point::default());
+    fn thin_out(&mut self, last: usize) -> usize {
+        let (points, half) = (self.points, WINDOW + (last - WINDOW) / 2);
+        let kept = (WINDOW + 1..half).step_by(2).chain(half..=last);
+        self.length = WINDOW;
+        let mut touched = WINDOW - 1;
+        for i in kept {
+            self.push_on(touched, points[i]);
+            touched = self.length - 1;
+        }
+        touched
     }
 
-    /// Where the tangents from receivers nearer than all points touch, and where `point` touches; then adds `point`.
+    /// Where the tangents from three points nearer than all vertices touch; of the first, which vertex it is as well.
     #[inline(always)]
-    pub fn serve_and_push(&mut self, registers: Registers, receivers: [Point; 2], point: Point) -> [Point; 2] {
-        let [pushed, a, b] = self.touched(registers, self.length, [point, receivers[0], receivers[1]]);
-        let touches = [self.points[a], self.points[b]];
-        self.push_on(pushed, point);
-        touches
+    pub fn tangents(&self, registers: Registers, from: [Point; 3]) -> (usize, [Point; 3]) {
+        let [a, b, c] = self.touched(registers, self.length, from);
+        (a, [self.points[a % CAPACITY], self.points[b % CAPACITY], self.points[c % CAPACITY]])
     }
 
     /// Where the tangent from a receiver touches, which some of the nearest points may lie behind: those do not count.
@@ -105,8 +117,9 @@ impl Hull {
     /// The vertices among the farthest `length` that tangents touch.
     #[inline(always)]
     fn touched<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
-        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[length - WINDOW..length].first_chunk().expect("WINDOW");
-        let slopes: &[f32; WINDOW] = self.slopes[length - WINDOW..length].first_chunk().expect("WINDOW");
+        let start = (length - WINDOW) % CAPACITY;
+        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[start..start + WINDOW].first_chunk().expect("WINDOW");
+        let slopes: &[f32; WINDOW] = self.slopes[start..start + WINDOW].first_chunk().expect("WINDOW");
         let (mut touched, mut fewest) = ([0; N], WINDOW);
         for i in 0..N {
             let count = lines_above(registers, intercepts_m, slopes, from[i].x, from[i].height_m) as usize;

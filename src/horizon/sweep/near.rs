@@ -126,6 +126,7 @@ impl Site<'_> {
     /// The steepest near slopes, in metres per major step, but for humps between crossings; and what they may be with those.
     #[inline(always)]
     pub fn slopes(&self, stencil: &Stencil) -> [[f32; LANES]; 2] {
+        let observers_m = *self.observers_m;
         let mut best = [NEVER_M; LANES];
         let mut before = self.ground_m();
         let (exact, others) = stencil.crossings.split_at(stencil.exact);
@@ -134,11 +135,12 @@ impl Site<'_> {
         }
         let mut perhaps = best;
         for crossing in others {
-            let a = lanes(self.heights_m, self.at, crossing.nodes[0]);
-            let b = lanes(self.heights_m, self.at, crossing.nodes[1]);
-            let twist = lanes(self.twists_m, self.at, crossing.cell);
+            // Copies: nothing written below may be taken for one of them.
+            let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
+            let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
+            let twist = *lanes(self.twists_m, self.at, crossing.cell);
             for i in 0..LANES {
-                let here = crossing.rise_m(a[i], b[i], self.observers_m[i]);
+                let here = crossing.rise_m(a[i], b[i], observers_m[i]);
                 let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
                 let sampled = larger(here * crossing.inverse, middle);
                 best[i] = larger(best[i], sampled);
@@ -174,9 +176,9 @@ impl Site<'_> {
         before: &mut [f32; LANES],
         best: &mut [f32; LANES],
     ) {
-        let a = lanes(self.heights_m, self.at, crossing.nodes[0]);
-        let b = lanes(self.heights_m, self.at, crossing.nodes[1]);
-        let twist = lanes(self.twists_m, self.at, crossing.cell);
+        let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
+        let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
+        let twist = *lanes(self.twists_m, self.at, crossing.cell);
         let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
             let here = crossing.rise_m(a[i], b[i], self.observers_m[i]);

@@ -49,6 +49,19 @@ fn with_avx2<R>(call: impl FnOnce(Registers) -> R) -> R {
     call(Registers::Any)
 }
 
+/// Fetches what lies at an index, if anything does, for later.
+#[inline(always)]
+pub fn prefetch<T>(array: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(item) = array.get(index) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a hint, to an address that exists.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(item).cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (array, index);
+}
+
 /// How many of 16 lines `h = c + s x` pass at or above a point.
 #[inline(always)]
 pub fn lines_above(registers: Registers, c: &[f32; 16], s: &[f32; 16], x: f32, height: f32) -> u32 {
