@@ -44,8 +44,8 @@ use far::{BLOCK, Block, Far, Seats};
 use grid::{Grid, LANES, Major};
 use line::Placed;
 use near::{Site, Stencil, larger, largest};
-use ray::Ray;
 use profile::Profile;
+use ray::Ray;
 use wide::{Registers, prefetch, wide, widest};
 
 /// Major steps of the exact near field.
@@ -205,6 +205,7 @@ impl<'a> Sweep<'a> {
         for lane in [0, 16, 32] {
             prefetch(&r.observers_m, next_row.wrapping_add(lane) as usize);
             prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
+            prefetch(&fine.heights_m, next_at.wrapping_add_signed(lane));
         }
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };

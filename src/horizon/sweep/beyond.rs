@@ -40,7 +40,9 @@ impl Beyond {
             // No finer line between this one and its neighbours leaves the finer level earlier.
             let leave_m = exit_m(i - 1.0).min(exit_m(i)).min(exit_m(i + 1.0));
             let from_m = leave_m + (RING - 1.0) * placed.grid.posting_m;
-            placed.descend(line(i), from_m, f64::INFINITY, |x, height_m| hull.push(registers, Point { x: x as f32, height_m }));
+            placed.descend(line(i), from_m, f64::INFINITY, |x, height_m| {
+                hull.push(registers, Point { x: x as f32, height_m })
+            });
             hull
         });
         let hulls = hulls.collect();
@@ -53,12 +55,17 @@ impl Beyond {
         let line = (y_m - self.minor * x_m - self.first_m) / self.spacing_m;
         let low = line.floor();
         let share = (line - low) as f32;
-        let of = |i: usize| {
-            let touch = self.hulls[i].tangent_beyond(registers, Point { x: x_m as f32, height_m });
-            let run_m = touch.x - x_m as f32;
-            if run_m > self.search_x && touch.height_m > ABSENT_M { f32::NAN } else { (touch.height_m - height_m) / run_m }
-        };
-        let (a, b) = (of(low as usize), of(low as usize + 1));
+        let receiver = Point { x: x_m as f32, height_m };
+        let (a, b) =
+            (self.tangent(registers, low as usize, receiver), self.tangent(registers, low as usize + 1, receiver));
         (1.0 - share) * a + share * b
+    }
+
+    #[inline(always)]
+    fn tangent(&self, registers: Registers, line: usize, receiver: Point) -> f32 {
+        let touch = self.hulls[line].tangent_beyond(registers, receiver);
+        let run_m = touch.x - receiver.x;
+        let lost = run_m > self.search_x && touch.height_m > ABSENT_M;
+        if lost { f32::NAN } else { (touch.height_m - receiver.height_m) / run_m }
     }
 }

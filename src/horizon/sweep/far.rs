@@ -9,8 +9,8 @@
 //! lines carry what lies farther away ([`super::beyond`]).
 
 use super::Receivers;
-use super::grid::{Grid, LANES, NEVER_M};
-use super::hull::{Hull, Point};
+use super::grid::{Grid, LANES};
+use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
 use super::near::{larger, largest};
 use super::profile::Profile;
@@ -25,6 +25,11 @@ pub const BLOCK: usize = LINES - 1;
 pub const RING: f64 = 32.0;
 /// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
 const AGREEMENT: f32 = 2e-4;
+
+/// Share of the difference between two lines that counts as a bend even where their neighbours go on likewise.
+const STEP: f32 = 0.1;
+/// Points of a line this close to each other, in steps, are one.
+const LEAST: f64 = 1e-3;
 
 /// Everything the far field of one azimuth is made from.
 #[derive(Debug)]
@@ -107,7 +112,7 @@ impl<'a> Far<'a> {
     pub fn begin(&self, registers: Registers, start: isize, block: &mut Block) {
         let posting_m = self.fine().posting_m;
         block.start = start;
-        block.beyond_m = [NEVER_M; LINES];
+        block.beyond_m = [LOWEST_M; LINES];
         for (k, hull) in block.hulls.iter_mut().enumerate() {
             hull.clear();
             let intercept_m = (start + k as isize) as f64 * posting_m;
@@ -141,10 +146,9 @@ impl<'a> Far<'a> {
     ) {
         let fine = self.fine();
         let row = self.row(block, along);
-        let crosses = (0..fine.majors as isize).contains(&along)
-            && row.low > -(LINES as isize)
-            && row.low < fine.minors as isize;
-        let heights_m = if crosses { sample(fine, &row) } else { [NEVER_M; LINES] };
+        let crosses =
+            (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
+        let heights_m = if crosses { sample(fine, &row) } else { [LOWEST_M; LINES] };
         if crosses && along + 1 < fine.majors as isize {
             self.push_columns(registers, &row, &heights_m, block);
         }
@@ -178,7 +182,11 @@ impl<'a> Far<'a> {
         let mut lower_m = observers_m[0];
         let (mut touched, mut farther) = ([0; LINES], [Point::default(); LINES]);
         for k in 0..LINES {
-            let from = [Point { x: ahead.x, height_m: ahead_m[k] }, Point { x, height_m: lower_m }, Point { x, height_m: observers_m[k] }];
+            let from = [
+                Point { x: ahead.x, height_m: ahead_m[k] },
+                Point { x, height_m: lower_m },
+                Point { x, height_m: observers_m[k] },
+            ];
             let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
             (touched[k], farther[k]) = (vertex, hidden);
             touches[0][k] = below;
@@ -188,12 +196,10 @@ impl<'a> Far<'a> {
         }
         let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
-            let slope = (farther[k].height_m - ahead_m[k]) / (farther[k].x - ahead.x);
-            lines[k] = slope;
-            intercepts_m[k] = (-slope).mul_add(ahead.x, ahead_m[k]);
+            [lines[k], intercepts_m[k]] = Point { x: ahead.x, height_m: ahead_m[k] }.line_to(farther[k]);
         }
         for k in 0..LINES {
-            block.hulls[k].put(touched[k], Point { x: ahead.x, height_m: ahead_m[k] }, lines[k], intercepts_m[k]);
+            block.hulls[k].put(touched[k], Point { x: ahead.x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
         }
         // A receiver lies `1 − share` above its lower line.
         let share = seats.row.share as f32;
@@ -201,7 +207,7 @@ impl<'a> Far<'a> {
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
         let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
         let search_x = self.search_x();
-        let mut next_m = [NEVER_M; LINES];
+        let mut next_m = [LOWEST_M; LINES];
         next_m[..BLOCK].copy_from_slice(&ahead_m[1..]);
         for k in 0..LINES {
             let steeper = |touch: Point, ahead_m: f32| {
@@ -227,6 +233,7 @@ impl<'a> Far<'a> {
         let mut doubts = [0.0; LINES];
         for k in 0..LINES {
             let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
+            let bends = larger(bends, STEP * turns[k + 1].abs());
             let seen = larger(tangents[0][k], tangents[1][k]) > slopes[k];
             doubts[k] = larger(if seen { weight * bends } else { 0.0 }, lost[k]);
         }
@@ -279,18 +286,18 @@ impl<'a> Far<'a> {
         let beyond = row.share + self.ray.minor;
         let column = if beyond > 1.0 { 1 } else { 0 };
         let along = (column as f64 - row.share) / self.ray.minor;
-        if (0.0..=1.0).contains(&beyond) || along <= 1e-6 || along >= 1.0 - 1e-6 {
+        if (0.0..=1.0).contains(&beyond) || along <= LEAST || along >= 1.0 - LEAST {
             return;
         }
         let near: &[f32; LINES] = fine.lanes(row.u, row.low + column);
         let far: &[f32; LINES] = fine.lanes(row.u + self.ray.sign, row.low + column);
         let (along, rest) = (along as f32, 1.0 - along as f32);
         let x = row.x + along * fine.posting_m as f32;
-        let mut above_m = [NEVER_M; LINES];
+        let mut above_m = [LOWEST_M; LINES];
         for k in 0..LINES {
             let height_m = rest * near[k] + along * far[k];
             let chord_m = rest * heights_m[k] + along * block.beyond_m[k];
-            above_m[k] = if height_m > chord_m { height_m } else { NEVER_M };
+            above_m[k] = if height_m > chord_m { height_m } else { LOWEST_M };
         }
         for k in 0..LINES {
             block.hulls[k].push(registers, Point { x, height_m: above_m[k] });
@@ -309,7 +316,7 @@ impl<'a> Far<'a> {
 
 impl Default for Block {
     fn default() -> Self {
-        Self { start: 0, hulls: std::array::from_fn(|_| Hull::default()), beyond_m: [NEVER_M; LINES] }
+        Self { start: 0, hulls: std::array::from_fn(|_| Hull::default()), beyond_m: [LOWEST_M; LINES] }
     }
 }
 
@@ -320,7 +327,7 @@ fn sample(grid: &Grid, row: &Row) -> [f32; LINES] {
     let share = row.share as f32;
     let mut heights_m = [0.0; LINES];
     for k in 0..LINES {
-        heights_m[k] = (1.0 - share) * low[k] + share * high[k];
+        heights_m[k] = larger((1.0 - share) * low[k] + share * high[k], LOWEST_M);
     }
     heights_m
 }

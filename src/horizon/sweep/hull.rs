@@ -9,6 +9,7 @@
 //! # References
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
+use super::near::larger;
 use super::wide::{Registers, lines_above};
 
 /// Vertices that are looked at together.
@@ -22,7 +23,19 @@ pub struct Point {
 }
 
 /// Vertices that a hull holds. Few have more than 50; a smooth dome is all hull.
-const CAPACITY: usize = 128;
+const CAPACITY: usize = 256;
+
+/// Points closer than this to each other are this far apart: two crossings may have one place.
+const LEAST_RUN_M: f32 = 1e-3;
+
+impl Point {
+    /// Slope and intercept of the line from here to a farther point.
+    #[inline(always)]
+    pub fn line_to(self, farther: Self) -> [f32; 2] {
+        let slope = (farther.height_m - self.height_m) / larger(farther.x - self.x, LEAST_RUN_M);
+        [slope, (-slope).mul_add(self.x, self.height_m)]
+    }
+}
 
 /// The hull of one line. A window of vertices below all others, from which every point sees every other rise, stands
 /// for "nothing".
@@ -34,8 +47,11 @@ pub struct Hull {
     points: [Point; CAPACITY + WINDOW],
 }
 
-/// What no receiver sees: the slope to it is −10¹¹.
-const NOTHING: Point = Point { x: 1e9, height_m: -1e20 };
+/// Height of a point that no receiver sees, and that goes with the next one. Far above what would make a product of its
+/// slope and a distance infinite.
+pub const LOWEST_M: f32 = -1e20;
+/// What no receiver sees, beyond everything: the slope to it is −10¹¹.
+const NOTHING: Point = Point { x: 1e9, height_m: LOWEST_M };
 
 impl Default for Hull {
     fn default() -> Self {
@@ -63,14 +79,13 @@ impl Hull {
     /// Adds a point whose tangent touches the vertex `touched`, and hides those above.
     #[inline(always)]
     fn push_on(&mut self, touched: usize, point: Point) {
-        let farther = self.points[touched];
-        let slope = (farther.height_m - point.height_m) / (farther.x - point.x);
-        self.put(touched, point, slope, (-slope).mul_add(point.x, point.height_m));
+        let [slope, intercept_m] = point.line_to(self.points[touched]);
+        self.put(touched, point, [slope, intercept_m]);
     }
 
     /// [`Self::push_on`] with the line through both points at hand.
     #[inline(always)]
-    pub fn put(&mut self, touched: usize, point: Point, slope: f32, intercept_m: f32) {
+    pub fn put(&mut self, touched: usize, point: Point, [slope, intercept_m]: [f32; 2]) {
         let touched = if touched + 1 < CAPACITY { touched } else { self.thin_out(touched) };
         // Never out of bounds, and the compiler sees it.
         let touched = touched % CAPACITY;
@@ -80,17 +95,25 @@ impl Hull {
         self.length = touched + 2;
     }
 
-    /// Drops every other vertex of the farther half of a hull that ends with the vertex `last`, and returns where that is now.
+    /// Makes room in a hull that ends with the vertex `last`, and returns where that is now: of every other vertex, drops
+    /// the half where the hull turns least.
     #[cold]
     #[inline(never)]
     fn thin_out(&mut self, last: usize) -> usize {
-        let (points, half) = (self.points, WINDOW + (last - WINDOW) / 2);
-        let kept = (WINDOW + 1..half).step_by(2).chain(half..=last);
+        let (points, slopes) = (self.points, self.slopes);
+        let turn = |i: usize| slopes[i + 1] - slopes[i];
+        let candidates = || (WINDOW + 1..last).step_by(2);
+        let mut turns: Vec<f32> = candidates().map(turn).collect();
+        turns.sort_by(f32::total_cmp);
+        let least = turns[turns.len() / 2];
         self.length = WINDOW;
         let mut touched = WINDOW - 1;
-        for i in kept {
+        for i in WINDOW..=last {
+            if i < last && (i - WINDOW) % 2 == 1 && turn(i) <= least {
+                continue;
+            }
             self.push_on(touched, points[i]);
-            touched = self.length - 1;
+            touched += 1;
         }
         touched
     }
