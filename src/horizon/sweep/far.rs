@@ -1,9 +1,11 @@
 //! The far field: tangents from each receiver to the hulls of the two lines beside it.
 //!
-//! Lines run parallel to the azimuth, a posting apart. Each carries the hull of its own profile, built from far to
-//! near while the receivers beside it are served: the crossings just beyond the near field are pushed, then the receiver
-//! asks for the tangent *from its own height*. Where the slopes of its two lines agree, the receiver interpolates between them. Where they do not, it
-//! searches its own line about the two places where they touch ([`super::profile`]).
+//! Lines run parallel to the azimuth, a posting apart, worked on in blocks. Each carries the hull of its own profile, built
+//! from far to near while the receivers beside it are served: the receiver asks for the tangent *from its own height*, then
+//! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes
+//! of the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences between
+//! the two lines of each are not alike, the slope bends from line to line, and where that makes more than
+//! [`AGREEMENT`] the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
@@ -26,8 +28,6 @@ pub const RING: f64 = 32.0;
 /// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
 const AGREEMENT: f32 = 2e-4;
 
-/// Share of the difference between two lines that counts as a bend even where their neighbours go on likewise.
-const STEP: f32 = 0.1;
 /// Points of a line this close to each other, in steps, are one.
 const LEAST: f64 = 1e-3;
 
@@ -228,12 +228,12 @@ impl<'a> Far<'a> {
         }
         // The outermost receivers have a neighbour on one side.
         (turns[0], turns[LINES]) = (turns[1], turns[BLOCK]);
-        // Linear interpolation errs by `share (1 − share)/2` of the second difference.
-        let weight = 0.5 * share * (1.0 - share);
+        // Linear interpolation errs by `share (1 − share)/2` of the second difference. A line through the receiver itself
+        // still misses the humps of cells.
+        let weight = 0.5 * share * (1.0 - share) + 0.01;
         let mut doubts = [0.0; LINES];
         for k in 0..LINES {
             let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
-            let bends = larger(bends, STEP * turns[k + 1].abs());
             let seen = larger(tangents[0][k], tangents[1][k]) > slopes[k];
             doubts[k] = larger(if seen { weight * bends } else { 0.0 }, lost[k]);
         }
