@@ -214,12 +214,12 @@ pub fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// The largest of some numbers, none of which is NaN.
+/// The largest of some numbers; those that are NaN do not count.
 #[inline(always)]
 pub fn largest(numbers: &[f32; LANES]) -> f32 {
     let mut half = [0.0; LANES / 2];
     for i in 0..LANES / 2 {
-        half[i] = larger(numbers[i], numbers[i + LANES / 2]);
+        half[i] = larger(larger(f32::NEG_INFINITY, numbers[i]), numbers[i + LANES / 2]);
     }
     let mut length = LANES / 4;
     while length > 0 {
