@@ -147,14 +147,13 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
-        let far = Far { ray: &ray, receivers: &self.receivers, levels, near: NEAR };
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, profile: Profile::new(fine, &ray) };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         let stencil = Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0);
-        let profile = Profile::new(fine, &ray);
         widest(
             #[inline(always)]
             |registers| {
-                self.slopes(registers, &far, &stencil, &profile, &mut plane);
+                self.slopes(registers, &far, &stencil, &mut plane);
                 self.add_beyond(registers, &far, &mut plane);
             },
         );
@@ -165,7 +164,7 @@ impl<'a> Sweep<'a> {
 
     /// Slopes to what lies on the level and on the next one close by, in metres per metre along the major axis.
     #[inline(always)]
-    fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, profile: &Profile, plane: &mut [f32]) {
+    fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, plane: &mut [f32]) {
         let fine = &self.grids[0];
         let mut blocks: [Block; GROUP] = std::array::from_fn(|_| Block::default());
         for start in far.starts().step_by(GROUP) {
@@ -174,7 +173,7 @@ impl<'a> Sweep<'a> {
             }
             for along in (0..fine.majors as isize).rev() {
                 for block in &mut blocks {
-                    self.serve(registers, far, stencil, profile, along, block, plane);
+                    self.serve(registers, far, stencil, along, block, plane);
                 }
             }
         }
@@ -187,7 +186,6 @@ impl<'a> Sweep<'a> {
         registers: Registers,
         far: &Far,
         stencil: &Stencil,
-        profile: &Profile,
         along: isize,
         block: &mut Block,
         plane: &mut [f32],
@@ -201,7 +199,7 @@ impl<'a> Sweep<'a> {
         let from = (-first).clamp(0, BLOCK as isize) as usize;
         let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
         let Some(u) = r.row(row.u).filter(|_| from < to) else {
-            far.advance(registers, ahead, block, profile, None);
+            far.advance(registers, ahead, block, None);
             return;
         };
         let observers_m = r.lanes_m(u, first);
@@ -221,7 +219,7 @@ impl<'a> Sweep<'a> {
             *slope *= scale;
         }
         let seats = Seats { row, from, to, observers_m: &observers_m };
-        far.advance(registers, ahead, block, profile, Some((seats, &mut slopes)));
+        far.advance(registers, ahead, block, Some((seats, &mut slopes)));
         let mut missed = [0.0; LANES];
         for k in 0..LANES {
             missed[k] = perhaps[k] * scale - slopes[k];

@@ -5,7 +5,7 @@
 //! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes
 //! of the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences between
 //! the two lines of each are not alike, the slope bends from line to line, and where that makes more than
-//! [`AGREEMENT`] the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
+//! 0.01° the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
@@ -38,8 +38,7 @@ pub struct Far<'a> {
     pub receivers: &'a Receivers,
     /// The swept level and the coarser ones, placed in the azimuth's coordinates.
     pub levels: Vec<Placed<'a>>,
-    /// Major steps that the near field covers.
-    pub near: usize,
+    pub profile: Profile,
 }
 
 /// A row of nodes where it is crossed by a block of lines.
@@ -141,7 +140,6 @@ impl<'a> Far<'a> {
         registers: Registers,
         along: isize,
         block: &mut Block,
-        profile: &Profile,
         seats: Option<(Seats, &mut [f32; LANES])>,
     ) {
         let fine = self.fine();
@@ -154,7 +152,7 @@ impl<'a> Far<'a> {
         }
         block.beyond_m = heights_m;
         match seats {
-            Some((seats, slopes)) => self.serve(registers, &row, &heights_m, block, profile, &seats, slopes),
+            Some((seats, slopes)) => self.serve(registers, &row, &heights_m, block, &seats, slopes),
             None if crosses => {
                 for k in 0..LINES {
                     block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
@@ -172,7 +170,6 @@ impl<'a> Far<'a> {
         ahead: &Row,
         ahead_m: &[f32; LINES],
         block: &mut Block,
-        profile: &Profile,
         seats: &Seats,
         slopes: &mut [f32; LANES],
     ) {
@@ -249,7 +246,7 @@ impl<'a> Far<'a> {
                     let own = if doubts[k] == f32::INFINITY {
                         f32::NAN
                     } else {
-                        self.own(profile, seats, k, of(&runs_m), of(&tangents))
+                        self.own(seats, k, of(&runs_m), of(&tangents))
                     };
                     if own > slopes[k] || own.is_nan() {
                         slopes[k] = own;
@@ -262,12 +259,12 @@ impl<'a> Far<'a> {
     /// The slope on a receiver's own line, near where its two neighbours are touched.
     #[cold]
     #[inline(never)]
-    fn own(&self, profile: &Profile, seats: &Seats, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
+    fn own(&self, seats: &Seats, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
         let inverse_posting = 1.0 / self.fine().posting_m as f32;
         let steps = runs_m.map(|run_m| (run_m * inverse_posting + 0.5) as usize);
         let v = (seats.row.low + 1 + k as isize) as usize;
-        let reach = profile.reach(self.fine(), seats.row.u, v);
-        let own = profile.slope(self.fine(), seats.row.u, v, seats.observers_m[k], steps, reach) * inverse_posting;
+        let reach = self.profile.reach(self.fine(), seats.row.u, v);
+        let own = self.profile.slope(self.fine(), seats.row.u, v, seats.observers_m[k], steps, reach) * inverse_posting;
         if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
             return own;
         }

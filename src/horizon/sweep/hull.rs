@@ -3,7 +3,7 @@
 //! Points come from far to near. A vertex keeps the line through itself and the next one farther away, `h = c + s x`. A
 //! point below that line sees the vertex rise above all farther ones; a hull is convex, so that this holds for every vertex
 //! from the bottom of the stack up to the one that the point's tangent touches, and for none above. To find
-//! the touched vertex is to count, [`WINDOW`] at a time from the top down, without a branch; and a new point hides
+//! the touched vertex is to count, a window of them at a time from the top down, without a branch; and a new point hides
 //! what lies above the vertex that its own tangent touches.
 //!
 //! # References
