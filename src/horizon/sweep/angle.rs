@@ -1,7 +1,7 @@
 //! Slopes to elevations, many receivers at once, in `f32`.
 
 use super::grid::LANES;
-use super::near::larger;
+use super::near::{larger, largest};
 
 /// What the receivers of a row share, lengths in map radii.
 #[derive(Debug, Clone, Copy)]
@@ -21,13 +21,13 @@ pub struct Place {
 #[inline(always)]
 pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
     let mut tangents = [0.0; LANES];
-    let mut lowest = 1.0;
+    let mut falls = [0.0; LANES];
     for i in 0..LANES {
         tangents[i] = tangent(place, i, heights[i], slopes[i]);
-        lowest = if tangents[i] < lowest { tangents[i] } else { lowest };
+        falls[i] = -tangents[i];
     }
     // The bare sphere never rises above the local horizontal.
-    if lowest < 0.0 {
+    if largest(&falls) > 0.0 {
         for i in 0..LANES {
             tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
         }

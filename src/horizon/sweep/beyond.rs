@@ -4,8 +4,10 @@
 //! height, interpolated between the two lines beside it.
 
 use super::far::{Far, RING};
-use super::hull::Hull;
+use super::grid::ABSENT_M;
+use super::hull::{Hull, Point};
 use super::line::Line;
+use super::wide::Registers;
 
 /// Coarse lines per coarse posting.
 const LINES: f64 = 2.0;
@@ -22,7 +24,7 @@ pub struct Beyond {
 
 impl Beyond {
     /// The hulls of level `level` of `far`, beyond those that finer lines carry.
-    pub fn new(far: &Far, level: usize) -> Self {
+    pub fn new(registers: Registers, far: &Far, level: usize) -> Self {
         let (placed, finer) = (&far.levels[level], &far.levels[level - 1]);
         let spacing_m = placed.grid.posting_m / LINES;
         let (low, high) = far.intercepts();
@@ -34,11 +36,13 @@ impl Beyond {
         let hulls = (0..lines).map(|i| {
             let i = i as f64;
             let mut hull = Hull::default();
-            far.carry_on(level, line(i), 2.0 * spacing_m, &mut hull);
+            far.carry_on(registers, level, line(i), 2.0 * spacing_m, &mut hull);
             // No finer line between this one and its neighbours leaves the finer level earlier.
             let leave_m = exit_m(i - 1.0).min(exit_m(i)).min(exit_m(i + 1.0));
             let from_m = leave_m + (RING - 1.0) * placed.grid.posting_m;
-            placed.descend(line(i), from_m, f64::INFINITY, |x, height_m| hull.push(x as f32, height_m));
+            placed.descend(line(i), from_m, f64::INFINITY, |x, height_m| {
+                hull.push(registers, Point { x: x as f32, height_m })
+            });
             hull
         });
         let hulls = hulls.collect();
@@ -46,15 +50,22 @@ impl Beyond {
     }
 
     /// Slope of the skyline from a receiver at `(x, y)`; NaN where it lies beyond the search distance.
-    pub fn slope(&mut self, x_m: f64, y_m: f64, height_m: f32) -> f32 {
+    #[inline(always)]
+    pub fn slope(&self, registers: Registers, x_m: f64, y_m: f64, height_m: f32) -> f32 {
         let line = (y_m - self.minor * x_m - self.first_m) / self.spacing_m;
         let low = line.floor();
         let share = (line - low) as f32;
-        let mut of = |i: usize| {
-            let touch = self.hulls[i].tangent_beyond(x_m as f32, height_m);
-            if touch.run_m > self.search_x { f32::NAN } else { touch.rise_m / touch.run_m }
-        };
-        let (a, b) = (of(low as usize), of(low as usize + 1));
+        let receiver = Point { x: x_m as f32, height_m };
+        let (a, b) =
+            (self.tangent(registers, low as usize, receiver), self.tangent(registers, low as usize + 1, receiver));
         (1.0 - share) * a + share * b
+    }
+
+    #[inline(always)]
+    fn tangent(&self, registers: Registers, line: usize, receiver: Point) -> f32 {
+        let touch = self.hulls[line].tangent_beyond(registers, receiver);
+        let run_m = touch.x - receiver.x;
+        let lost = run_m > self.search_x && touch.height_m > ABSENT_M;
+        if lost { f32::NAN } else { (touch.height_m - receiver.height_m) / run_m }
     }
 }

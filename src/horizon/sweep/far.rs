@@ -1,29 +1,35 @@
 //! The far field: tangents from each receiver to the hulls of the two lines beside it.
 //!
-//! Lines run parallel to the azimuth, a posting apart. Each carries the hull of its own profile, built from far to
-//! near while the receivers beside it are served: the crossings just beyond the near field are pushed, then the receiver
-//! asks for the tangent *from its own height*. Where the slopes of its two lines agree, the receiver interpolates between them. Where they do not, it
-//! searches its own line about the two places where they touch ([`super::profile`]).
+//! Lines run parallel to the azimuth, a posting apart, worked on in blocks. Each carries the hull of its own profile, built
+//! from far to near while the receivers beside it are served: the receiver asks for the tangent *from its own height*, then
+//! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes
+//! of the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences between
+//! the two lines of each are not alike, the slope bends from line to line, and where that makes more than
+//! 0.01° the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
 
 use super::Receivers;
-use super::grid::{ABSENT_M, Grid, NEVER_M};
-use super::hull::{Hull, Touch};
+use super::grid::{Grid, LANES};
+use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
-use super::near::larger;
+use super::near::{larger, largest};
 use super::profile::Profile;
 use super::ray::Ray;
+use super::wide::Registers;
 
-/// Receivers of a row worked on side by side, between lines that are.
-const BLOCK: usize = 16;
-/// The lines beside them.
-const LINES: usize = BLOCK + 1;
+/// Lines worked on side by side.
+const LINES: usize = LANES;
+/// Receivers of a row between them.
+pub const BLOCK: usize = LINES - 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 pub const RING: f64 = 32.0;
-/// Difference between the slopes of two lines above which a receiver searches its own: 0.017°.
-const AGREEMENT: f32 = 3e-4;
+/// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
+const AGREEMENT: f32 = 2e-4;
+
+/// Points of a line this close to each other, in steps, are one.
+const LEAST: f64 = 1e-3;
 
 /// Everything the far field of one azimuth is made from.
 #[derive(Debug)]
@@ -32,19 +38,37 @@ pub struct Far<'a> {
     pub receivers: &'a Receivers,
     /// The swept level and the coarser ones, placed in the azimuth's coordinates.
     pub levels: Vec<Placed<'a>>,
-    /// Major steps that the near field covers.
-    pub near: usize,
+    pub profile: Profile,
 }
 
-/// The lines of one block where they cross a row.
+/// A row of nodes where it is crossed by a block of lines.
 #[derive(Debug, Clone, Copy)]
-struct Row {
+pub struct Row {
     /// Major index of the row, and its distance coordinate.
-    u: isize,
-    x: f32,
+    pub u: isize,
+    pub x: f32,
     /// The first line crosses at minor coordinate `low + share`, the next ones a posting apart.
-    low: isize,
+    pub low: isize,
     share: f64,
+}
+
+/// Receivers of a row, the first just above the first line of a block, the others a posting apart.
+#[derive(Debug, Clone, Copy)]
+pub struct Seats<'a> {
+    pub row: Row,
+    /// Those that exist.
+    pub from: usize,
+    pub to: usize,
+    pub observers_m: &'a [f32; LANES],
+}
+
+/// The lines of a block.
+#[derive(Debug)]
+pub struct Block {
+    start: isize,
+    hulls: [Hull; LINES],
+    /// Heights of the last row pushed.
+    beyond_m: [f32; LINES],
 }
 
 impl<'a> Far<'a> {
@@ -76,21 +100,27 @@ impl<'a> Far<'a> {
         range
     }
 
-    /// Raises near slopes, in metres per metre along the major axis, to the far ones. NaN where the tangent
-    /// touches beyond the search distance.
-    pub fn raise(&self, slopes: &mut [f32]) {
+    /// First lines of the blocks that all receivers lie in.
+    pub fn starts(&self) -> impl Iterator<Item = isize> + use<> {
         let (low, high) = self.intercepts();
         // The first line lies below all receivers.
-        let (first, last) = (low.floor() as isize - 1, high.ceil() as isize);
-        let profile = Profile::new(self.fine(), self.ray);
-        let mut hulls: [Hull; LINES] = std::array::from_fn(|_| Hull::default());
-        for start in (first..=last).step_by(BLOCK) {
-            self.block(start, &profile, &mut hulls, slopes);
+        (low.floor() as isize - 1..=high.ceil() as isize).step_by(BLOCK)
+    }
+
+    /// The lines of a block with what lies beyond the level on them.
+    pub fn begin(&self, registers: Registers, start: isize, block: &mut Block) {
+        let posting_m = self.fine().posting_m;
+        block.start = start;
+        block.beyond_m = [LOWEST_M; LINES];
+        for (k, hull) in block.hulls.iter_mut().enumerate() {
+            hull.clear();
+            let intercept_m = (start + k as isize) as f64 * posting_m;
+            self.carry_on(registers, 0, Line { intercept_m, minor: self.ray.minor }, posting_m, hull);
         }
     }
 
     /// Where a block's lines cross the row `along` steps from the near side.
-    fn row(&self, start: isize, along: isize) -> Row {
+    pub fn row(&self, block: &Block, along: isize) -> Row {
         let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
         let steps = self.ray.sign * (u - self.pivot());
         // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
@@ -98,137 +128,203 @@ impl<'a> Far<'a> {
         // `floor` is a call on targets without SSE 4.1.
         let whole = v as isize;
         let low = whole - isize::from(whole as f64 > v);
-        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
+        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: block.start + low, share: v - low as f64 }
     }
 
-    /// The receivers between one block of lines.
-    fn block(&self, start: isize, profile: &Profile, hulls: &mut [Hull; LINES], slopes: &mut [f32]) {
+    /// Adds the row `along` steps from the near side to the hulls of a block, once they have served the receivers at
+    /// `seats`, whose slopes, in metres per metre along the major axis, are raised to the far ones: NaN where the
+    /// tangent touches beyond the search distance.
+    #[inline(always)]
+    pub fn advance(
+        &self,
+        registers: Registers,
+        along: isize,
+        block: &mut Block,
+        seats: Option<(Seats, &mut [f32; LANES])>,
+    ) {
         let fine = self.fine();
-        for (k, hull) in hulls.iter_mut().enumerate() {
-            hull.clear();
-            let intercept_m = (start + k as isize) as f64 * fine.posting_m;
-            self.carry_on(0, Line { intercept_m, minor: self.ray.minor }, fine.posting_m, hull);
+        let row = self.row(block, along);
+        let crosses =
+            (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
+        let heights_m = if crosses { sample(fine, &row) } else { [LOWEST_M; LINES] };
+        if crosses && along + 1 < fine.majors as isize {
+            self.push_columns(registers, &row, &heights_m, block);
         }
-        let mut beyond_m = [NEVER_M; LINES];
-        for along in (0..fine.majors as isize).rev() {
-            let ahead = along + self.near as isize + 1;
-            if ahead < fine.majors as isize {
-                let row = self.row(start, ahead);
-                if row.low > -(LINES as isize) && row.low < fine.minors as isize {
-                    let heights_m = sample(fine, &row);
-                    if ahead + 1 < fine.majors as isize {
-                        self.push_columns(&row, &heights_m, &beyond_m, hulls);
-                    }
-                    push_row(row.x, &heights_m, hulls);
-                    beyond_m = heights_m;
+        block.beyond_m = heights_m;
+        match seats {
+            Some((seats, slopes)) => self.serve(registers, &row, &heights_m, block, &seats, slopes),
+            None if crosses => {
+                for k in 0..LINES {
+                    block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
                 }
             }
-            self.serve(&self.row(start, along), profile, hulls, slopes);
+            None => (),
         }
     }
 
-    /// Raises the slopes of the receivers of a row.
+    /// Raises the slopes of receivers, and adds the row `ahead`.
     #[inline(always)]
-    fn serve(&self, row: &Row, profile: &Profile, hulls: &mut [Hull; LINES], slopes: &mut [f32]) {
-        let r = self.receivers;
-        let Some(start) = r.row(row.u).map(|u| u * r.stride) else { return };
-        // The first receiver lies above the first line, the others a posting apart.
-        let first = row.low + 1 - r.margin as isize;
-        let from = (-first).clamp(0, BLOCK as isize) as usize;
-        let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
-        for k in from..to {
-            let v = (first + k as isize) as usize;
-            let (slope, observer_m) = (&mut slopes[start + v], r.observers_m[start + v]);
-            let touches = [hulls[k].tangent(row.x, observer_m), hulls[k + 1].tangent(row.x, observer_m)];
-            let hidden = |touch: Touch| touch.rise_m <= *slope * touch.run_m;
-            if hidden(touches[0]) & hidden(touches[1]) {
-                continue;
-            }
-            let far = self.between(profile, row, v + r.margin, observer_m, touches);
-            // NaN asks for a trace.
-            if far > *slope || far.is_nan() {
-                *slope = far;
+    fn serve(
+        &self,
+        registers: Registers,
+        ahead: &Row,
+        ahead_m: &[f32; LINES],
+        block: &mut Block,
+        seats: &Seats,
+        slopes: &mut [f32; LANES],
+    ) {
+        let (x, observers_m) = (seats.row.x, seats.observers_m);
+        // Where the tangents of each receiver touch the lines below and above it.
+        let mut touches = [[Point::default(); LINES]; 2];
+        let mut lower_m = observers_m[0];
+        let (mut touched, mut farther) = ([0; LINES], [Point::default(); LINES]);
+        for k in 0..LINES {
+            let from = [
+                Point { x: ahead.x, height_m: ahead_m[k] },
+                Point { x, height_m: lower_m },
+                Point { x, height_m: observers_m[k] },
+            ];
+            let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
+            (touched[k], farther[k]) = (vertex, hidden);
+            touches[0][k] = below;
+            // The first line lies above no receiver: its touch is overwritten.
+            touches[1][k.saturating_sub(1)] = above;
+            lower_m = observers_m[k];
+        }
+        let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
+        for k in 0..LINES {
+            [lines[k], intercepts_m[k]] = Point { x: ahead.x, height_m: ahead_m[k] }.line_to(farther[k]);
+        }
+        for k in 0..LINES {
+            block.hulls[k].put(touched[k], Point { x: ahead.x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
+        }
+        // A receiver lies `1 − share` above its lower line.
+        let share = seats.row.share as f32;
+        let ahead_run_m = ahead.x - x;
+        let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
+        let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
+        let search_x = self.search_x();
+        let mut next_m = [LOWEST_M; LINES];
+        next_m[..BLOCK].copy_from_slice(&ahead_m[1..]);
+        for k in 0..LINES {
+            let steeper = |touch: Point, ahead_m: f32| {
+                let (rise, run) = (touch.height_m - observers_m[k], touch.x - x);
+                let ahead_rise = ahead_m - observers_m[k];
+                if ahead_rise * run > rise * ahead_run_m { (ahead_rise, ahead_run_m) } else { (rise, run) }
+            };
+            let (rise_a, run_a) = steeper(touches[0][k], ahead_m[k]);
+            let (rise_b, run_b) = steeper(touches[1][k], next_m[k]);
+            let inverse = 1.0 / (run_a * run_b);
+            let (below, above) = (rise_a * run_b * inverse, rise_b * run_a * inverse);
+            mixed[k] = share * below + (1.0 - share) * above;
+            (runs_m[0][k], runs_m[1][k]) = (run_a, run_b);
+            (tangents[0][k], tangents[1][k]) = (below, above);
+            turns[k + 1] = above - below;
+            let too_far = ((run_a > search_x) & (below > slopes[k])) | ((run_b > search_x) & (above > slopes[k]));
+            lost[k] = if too_far { f32::INFINITY } else { 0.0 };
+        }
+        // The outermost receivers have a neighbour on one side.
+        (turns[0], turns[LINES]) = (turns[1], turns[BLOCK]);
+        // Linear interpolation errs by `share (1 − share)/2` of the second difference. A line through the receiver itself
+        // still misses the humps of cells.
+        let weight = 0.5 * share * (1.0 - share) + 0.01;
+        let mut doubts = [0.0; LINES];
+        for k in 0..LINES {
+            let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
+            let seen = larger(tangents[0][k], tangents[1][k]) > slopes[k];
+            doubts[k] = larger(if seen { weight * bends } else { 0.0 }, lost[k]);
+        }
+        doubts[BLOCK] = 0.0;
+        let worst = largest(&doubts);
+        for k in 0..LINES {
+            slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
+        }
+        if worst > AGREEMENT {
+            for k in seats.from..seats.to {
+                if doubts[k] > AGREEMENT {
+                    let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
+                    let own = if doubts[k] == f32::INFINITY {
+                        f32::NAN
+                    } else {
+                        self.own(seats, k, of(&runs_m), of(&tangents))
+                    };
+                    if own > slopes[k] || own.is_nan() {
+                        slopes[k] = own;
+                    }
+                }
             }
         }
+    }
+
+    /// The slope on a receiver's own line, near where its two neighbours are touched.
+    #[cold]
+    #[inline(never)]
+    fn own(&self, seats: &Seats, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
+        let inverse_posting = 1.0 / self.fine().posting_m as f32;
+        let steps = runs_m.map(|run_m| (run_m * inverse_posting + 0.5) as usize);
+        let v = (seats.row.low + 1 + k as isize) as usize;
+        let reach = self.profile.reach(self.fine(), seats.row.u, v);
+        let own = self.profile.slope(self.fine(), seats.row.u, v, seats.observers_m[k], steps, reach) * inverse_posting;
+        if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
+            return own;
+        }
+        // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
+        let [below, above] = tangents;
+        let lower = if below < above { below } else { above };
+        let share = seats.row.share as f32;
+        larger(own, if steps[0].min(steps[1]) > reach { share * below + (1.0 - share) * above } else { lower })
     }
 
     /// Pushes where lines cross a column between a row and the one beyond it, if the surface stands above the chord there.
     #[inline(always)]
-    fn push_columns(&self, row: &Row, heights_m: &[f32; LINES], beyond_m: &[f32; LINES], hulls: &mut [Hull; LINES]) {
+    fn push_columns(&self, registers: Registers, row: &Row, heights_m: &[f32; LINES], block: &mut Block) {
         let fine = self.fine();
         // All lines of a block cross their columns at the same distance.
         let beyond = row.share + self.ray.minor;
         let column = if beyond > 1.0 { 1 } else { 0 };
         let along = (column as f64 - row.share) / self.ray.minor;
-        if (0.0..=1.0).contains(&beyond) || along <= 1e-6 || along >= 1.0 - 1e-6 {
+        if (0.0..=1.0).contains(&beyond) || along <= LEAST || along >= 1.0 - LEAST {
             return;
         }
-        let start = (row.low + column + fine.pad() as isize) as usize;
-        let near: &[f32; LINES] = fine.row(row.u)[start..].first_chunk().expect("padding");
-        let far: &[f32; LINES] = fine.row(row.u + self.ray.sign)[start..].first_chunk().expect("padding");
+        let near: &[f32; LINES] = fine.lanes(row.u, row.low + column);
+        let far: &[f32; LINES] = fine.lanes(row.u + self.ray.sign, row.low + column);
         let (along, rest) = (along as f32, 1.0 - along as f32);
         let x = row.x + along * fine.posting_m as f32;
+        let mut above_m = [LOWEST_M; LINES];
         for k in 0..LINES {
             let height_m = rest * near[k] + along * far[k];
-            if height_m > larger(rest * heights_m[k] + along * beyond_m[k], ABSENT_M) {
-                hulls[k].push(x, height_m);
-            }
+            let chord_m = rest * heights_m[k] + along * block.beyond_m[k];
+            above_m[k] = if height_m > chord_m { height_m } else { LOWEST_M };
         }
-    }
-
-    /// The slope seen between two lines from their tangents. Where these do not agree, that on the receiver's own line.
-    fn between(&self, profile: &Profile, row: &Row, v: usize, observer_m: f32, touches: [Touch; 2]) -> f32 {
-        if larger(touches[0].run_m, touches[1].run_m) > self.search_x() {
-            return f32::NAN;
+        for k in 0..LINES {
+            block.hulls[k].push(registers, Point { x, height_m: above_m[k] });
         }
-        // A receiver lies `1 − share` above its lower line.
-        let share = row.share as f32;
-        let [below, above] = touches.map(|touch| touch.rise_m / touch.run_m);
-        let mixed = share * below + (1.0 - share) * above;
-        if (below - above).abs() <= AGREEMENT {
-            return mixed;
-        }
-        let inverse_posting = 1.0 / self.fine().posting_m as f32;
-        let steps = touches.map(|touch| (touch.run_m * inverse_posting + 0.5) as usize);
-        let reach = profile.reach(self.fine(), row.u, v);
-        let own = profile.slope(self.fine(), row.u, v, observer_m, steps, reach) * inverse_posting;
-        if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
-            return own;
-        }
-        // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
-        let lower = if below < above { below } else { above };
-        larger(own, if steps[0].min(steps[1]) > reach { mixed } else { lower })
     }
 
     /// Pushes the first [`RING`] nodes of the level after `level` along a line that leaves `level`, widened by a slack.
-    pub fn carry_on(&self, level: usize, line: Line, slack_m: f64, hull: &mut Hull) {
+    pub fn carry_on(&self, registers: Registers, level: usize, line: Line, slack_m: f64, hull: &mut Hull) {
         if let Some(next) = self.levels.get(level + 1) {
             let exit_m = self.levels[level].exit_x_m(line, slack_m);
             let ring_m = exit_m + RING * next.grid.posting_m;
-            next.descend(line, exit_m, ring_m, |x, height_m| hull.push(x as f32, height_m));
+            next.descend(line, exit_m, ring_m, |x, height_m| hull.push(registers, Point { x: x as f32, height_m }));
         }
+    }
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self { start: 0, hulls: std::array::from_fn(|_| Hull::default()), beyond_m: [LOWEST_M; LINES] }
     }
 }
 
 /// Heights of a block's lines on a row of nodes.
 #[inline(always)]
 fn sample(grid: &Grid, row: &Row) -> [f32; LINES] {
-    let start = (row.low + grid.pad() as isize) as usize;
-    let nodes: &[f32; LINES + 1] = grid.row(row.u)[start..].first_chunk().expect("padding");
+    let (low, high): (&[f32; LINES], &[f32; LINES]) = (grid.lanes(row.u, row.low), grid.lanes(row.u, row.low + 1));
     let share = row.share as f32;
     let mut heights_m = [0.0; LINES];
     for k in 0..LINES {
-        heights_m[k] = (1.0 - share) * nodes[k] + share * nodes[k + 1];
+        heights_m[k] = larger((1.0 - share) * low[k] + share * high[k], LOWEST_M);
     }
     heights_m
-}
-
-#[inline(always)]
-fn push_row(x: f32, heights_m: &[f32; LINES], hulls: &mut [Hull; LINES]) {
-    for (hull, height_m) in hulls.iter_mut().zip(heights_m) {
-        // A line may run beside the grid, or over a gap.
-        if *height_m > ABSENT_M {
-            hull.push(x, *height_m);
-        }
-    }
 }

@@ -77,14 +77,12 @@ impl Grid {
         (u + self.pad) * self.stride + v + self.pad
     }
 
-    /// The padded row of a major index within the padding.
-    pub fn row(&self, u: isize) -> &[f32] {
-        let start = (u + self.pad as isize) as usize * self.stride;
-        &self.heights_m[start..start + self.stride]
-    }
-
-    pub fn pad(&self) -> usize {
-        self.pad
+    /// Heights of consecutive nodes of a row from node (u, v) on, those within the padding included.
+    #[inline(always)]
+    pub fn lanes(&self, u: isize, v: isize) -> &[f32; LANES] {
+        let pad = self.pad as isize;
+        let start = ((u + pad) * self.stride as isize + v + pad) as usize;
+        self.heights_m[start..start + LANES].first_chunk().expect("a slice of LANES")
     }
 
     /// The twist `h₀₀ − h₁₀ − h₀₁ + h₁₁` of every cell, 0 where a gap touches it.

@@ -1,104 +1,170 @@
 //! Barrett's convex hull of a line's skyline: a stack of the points that any nearer receiver can see.
 //!
-//! Points come from far to near. A vertex keeps its slope to the next one farther away, so that asking
-//! whether a point hides a vertex, or whether a receiver sees the next vertex above this one, takes one
-//! multiplication and no division.
+//! Points come from far to near. A vertex keeps the line through itself and the next one farther away, `h = c + s x`. A
+//! point below that line sees the vertex rise above all farther ones; a hull is convex, so that this holds for every vertex
+//! from the bottom of the stack up to the one that the point's tangent touches, and for none above. To find
+//! the touched vertex is to count, a window of them at a time from the top down, without a branch; and a new point hides
+//! what lies above the vertex that its own tangent touches.
 //!
 //! # References
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
-use super::grid::NEVER_M;
+use super::near::larger;
+use super::wide::{Registers, lines_above};
 
-/// A vertex of the upper hull. Farther vertices lie below it in the stack.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(align(16))]
-pub struct Vertex {
-    /// Distance along the line, in metres along the major axis, growing away from the receivers.
-    x: f32,
-    height_m: f32,
-    /// Slope to the next farther vertex; −∞ at the farthest.
-    slope: f32,
+/// Vertices that are looked at together.
+const WINDOW: usize = 16;
+
+/// A point of a line: distance along it, growing away from the receivers, and height.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Point {
+    pub x: f32,
+    pub height_m: f32,
 }
 
-/// The point of a hull that a receiver sees as its skyline, from the receiver.
-#[derive(Debug, Clone, Copy)]
-pub struct Touch {
-    pub rise_m: f32,
-    pub run_m: f32,
+/// Vertices that a hull holds. Few have more than 50; a smooth dome is all hull.
+const CAPACITY: usize = 256;
+
+/// Points closer than this to each other are this far apart: two crossings may have one place.
+const LEAST_RUN_M: f32 = 1e-3;
+
+impl Point {
+    /// Slope and intercept of the line from here to a farther point.
+    #[inline(always)]
+    pub fn line_to(self, farther: Self) -> [f32; 2] {
+        let slope = (farther.height_m - self.height_m) / larger(farther.x - self.x, LEAST_RUN_M);
+        [slope, (-slope).mul_add(self.x, self.height_m)]
+    }
 }
 
-/// The hull of one line.
-#[derive(Debug, Default)]
+/// The hull of one line. A window of vertices below all others, from which every point sees every other rise, stands
+/// for "nothing".
+#[derive(Debug)]
 pub struct Hull {
-    stack: Vec<Vertex>,
-    /// Where the last receiver's tangent touched.
-    touched: usize,
+    length: usize,
+    intercepts_m: [f32; CAPACITY + WINDOW],
+    slopes: [f32; CAPACITY + WINDOW],
+    points: [Point; CAPACITY + WINDOW],
+}
+
+/// Height of a point that no receiver sees, and that goes with the next one. Far above what would make a product of its
+/// slope and a distance infinite.
+pub const LOWEST_M: f32 = -1e20;
+/// What no receiver sees, beyond everything: the slope to it is −10¹¹.
+const NOTHING: Point = Point { x: 1e9, height_m: LOWEST_M };
+
+impl Default for Hull {
+    fn default() -> Self {
+        Self {
+            length: WINDOW,
+            intercepts_m: [f32::MAX; CAPACITY + WINDOW],
+            slopes: [0.0; CAPACITY + WINDOW],
+            points: [NOTHING; CAPACITY + WINDOW],
+        }
+    }
 }
 
 impl Hull {
     pub fn clear(&mut self) {
-        self.stack.clear();
-        self.touched = 0;
+        self.length = WINDOW;
     }
 
     /// Adds a point nearer than all others.
     #[inline(always)]
-    pub fn push(&mut self, x: f32, height_m: f32) {
-        let mut length = self.stack.len();
-        let mut slope = f32::NEG_INFINITY;
-        while length > 0 {
-            let top = self.stack[length - 1];
-            let (run, rise) = (top.x - x, top.height_m - height_m);
-            if rise > top.slope * run {
-                slope = rise / run;
-                break;
-            }
-            length -= 1;
-        }
-        self.stack.truncate(length);
-        self.stack.push(Vertex { x, height_m, slope });
+    pub fn push(&mut self, registers: Registers, point: Point) {
+        let [touched] = self.touched(registers, self.length, [point]);
+        self.push_on(touched, point);
     }
 
-    /// Where the tangent from a receiver nearer than all points touches; a rise of [`NEVER_M`] where the hull
-    /// has no points.
+    /// Adds a point whose tangent touches the vertex `touched`, and hides those above.
     #[inline(always)]
-    pub fn tangent(&mut self, x: f32, height_m: f32) -> Touch {
-        self.tangent_of(self.stack.len(), x, height_m)
+    fn push_on(&mut self, touched: usize, point: Point) {
+        let [slope, intercept_m] = point.line_to(self.points[touched]);
+        self.put(touched, point, [slope, intercept_m]);
     }
 
-    /// [`Self::tangent`] for a receiver that some of the nearest points may lie behind: those do not count.
-    pub fn tangent_beyond(&mut self, x: f32, height_m: f32) -> Touch {
-        let ahead = self.stack.partition_point(|vertex| vertex.x > x);
-        self.tangent_of(ahead, x, height_m)
-    }
-
-    /// The tangent to the farthest `length` vertices, searched from where the last one touched.
+    /// [`Self::push_on`] with the line through both points at hand.
     #[inline(always)]
-    fn tangent_of(&mut self, length: usize, x: f32, height_m: f32) -> Touch {
-        let stack = &self.stack[..length];
-        if stack.is_empty() {
-            return Touch { rise_m: NEVER_M, run_m: 1.0 };
-        }
-        let mut touched = self.touched.min(stack.len() - 1);
-        let mut vertex = stack[touched];
-        // Is the next vertex farther away above the line of sight to this one?
-        let below = |vertex: Vertex| vertex.height_m - height_m < vertex.slope * (vertex.x - x);
-        if below(vertex) {
-            while below(vertex) {
-                touched -= 1;
-                vertex = stack[touched];
+    pub fn put(&mut self, touched: usize, point: Point, [slope, intercept_m]: [f32; 2]) {
+        let touched = if touched + 1 < CAPACITY { touched } else { self.thin_out(touched) };
+        // Never out of bounds, and the compiler sees it.
+        let touched = touched % CAPACITY;
+        self.intercepts_m[touched + 1] = intercept_m;
+        self.slopes[touched + 1] = slope;
+        self.points[touched + 1] = point;
+        self.length = touched + 2;
+    }
+
+    /// Makes room in a hull that ends with the vertex `last`, and returns where that is now: of every other vertex, drops
+    /// the half where the hull turns least.
+    #[cold]
+    #[inline(never)]
+    fn thin_out(&mut self, last: usize) -> usize {
+        let (points, slopes) = (self.points, self.slopes);
+        let turn = |i: usize| slopes[i + 1] - slopes[i];
+        let candidates = || (WINDOW + 1..last).step_by(2);
+        let mut turns: Vec<f32> = candidates().map(turn).collect();
+        turns.sort_by(f32::total_cmp);
+        let least = turns[turns.len() / 2];
+        self.length = WINDOW;
+        let mut touched = WINDOW - 1;
+        for i in WINDOW..=last {
+            if i < last && (i - WINDOW) % 2 == 1 && turn(i) <= least {
+                continue;
             }
-        } else {
-            while let Some(nearer) = stack.get(touched + 1) {
-                if below(*nearer) {
-                    break;
-                }
-                touched += 1;
-                vertex = *nearer;
-            }
+            self.push_on(touched, points[i]);
+            touched += 1;
         }
-        self.touched = touched;
-        Touch { rise_m: vertex.height_m - height_m, run_m: vertex.x - x }
+        touched
+    }
+
+    /// Where the tangents from three points nearer than all vertices touch; of the first, which vertex it is as well.
+    #[inline(always)]
+    pub fn tangents(&self, registers: Registers, from: [Point; 3]) -> (usize, [Point; 3]) {
+        let [a, b, c] = self.touched(registers, self.length, from);
+        (a, [self.points[a % CAPACITY], self.points[b % CAPACITY], self.points[c % CAPACITY]])
+    }
+
+    /// Where the tangent from a receiver touches, which some of the nearest points may lie behind: those do not count.
+    #[inline(always)]
+    pub fn tangent_beyond(&self, registers: Registers, receiver: Point) -> Point {
+        let points = &self.points[WINDOW..self.length];
+        let ahead = match points.last() {
+            Some(nearest) if nearest.x <= receiver.x => points.partition_point(|point| point.x > receiver.x),
+            _ => points.len(),
+        };
+        let [touched] = self.touched(registers, WINDOW + ahead, [receiver]);
+        self.points[touched]
+    }
+
+    /// The vertices among the farthest `length` that tangents touch.
+    #[inline(always)]
+    fn touched<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
+        let start = (length - WINDOW) % CAPACITY;
+        let intercepts_m: &[f32; WINDOW] = self.intercepts_m[start..start + WINDOW].first_chunk().expect("WINDOW");
+        let slopes: &[f32; WINDOW] = self.slopes[start..start + WINDOW].first_chunk().expect("WINDOW");
+        let (mut touched, mut fewest) = ([0; N], WINDOW);
+        for i in 0..N {
+            let count = lines_above(registers, intercepts_m, slopes, from[i].x, from[i].height_m) as usize;
+            touched[i] = (length - WINDOW + count).wrapping_sub(1);
+            fewest = fewest.min(count);
+        }
+        if fewest == 0 { self.touched_deep(length, from) } else { touched }
+    }
+
+    /// [`Self::touched`] by halving, where more than a window of vertices lies above one.
+    #[cold]
+    #[inline(never)]
+    fn touched_deep<const N: usize>(&self, length: usize, from: [Point; N]) -> [usize; N] {
+        from.map(|point| {
+            let (mut seen, mut hidden) = (WINDOW - 1, length);
+            while hidden - seen > 1 {
+                let middle = seen.midpoint(hidden);
+                let above = self.slopes[middle].mul_add(point.x, self.intercepts_m[middle]) >= point.height_m;
+                *(if above { &mut seen } else { &mut hidden }) = middle;
+            }
+            seen
+        })
     }
 }
 
@@ -107,25 +173,32 @@ mod tests {
     use super::*;
 
     /// The steepest of all points, looked at one by one.
-    fn steepest(points: &[(f32, f32)], x: f32, height_m: f32) -> f32 {
-        points.iter().map(|(px, h)| (h - height_m) / (px - x)).fold(f32::NEG_INFINITY, f32::max)
+    fn steepest(points: &[Point], x: f32, height_m: f32) -> f32 {
+        points.iter().map(|point| (point.height_m - height_m) / (point.x - x)).fold(f32::NEG_INFINITY, f32::max)
     }
 
     #[test]
     fn a_tangent_is_the_steepest_of_all_points() {
-        let (mut hull, mut points) = (Hull::default(), Vec::new());
-        for step in 0..2000 {
-            let x = -10.0 * step as f32;
-            // Any bumpy profile: no two waves in step.
-            let phase = step as f32;
-            let height_m = 200.0 * (0.011 * phase).sin() + 40.0 * (0.173 * phase).cos() + 9.0 * (1.9 * phase).sin();
-            hull.push(x, height_m);
-            points.push((x, height_m));
-            for (nearer_m, receiver_m) in [(10.0, height_m), (300.0, -150.0), (45.0, 260.0)] {
-                let touch = hull.tangent(x - nearer_m, receiver_m);
-                let expected = steepest(&points, x - nearer_m, receiver_m);
-                // Hull slopes are rounded to 1e-7 of some units.
-                assert!((touch.rise_m / touch.run_m - expected).abs() < 1e-5, "{step}: {touch:?} {expected}");
+        for curvature in [0.0, 1e-5] {
+            let (mut hull, mut points) = (Hull::default(), Vec::new());
+            for step in 0..2000 {
+                let x = 10_000.0 - 10.0 * step as f32;
+                // Any bumpy profile: no two waves in step. Curved enough, all its points are vertices.
+                let phase = step as f32;
+                let bumps_m = 200.0 * (0.011 * phase).sin() + 40.0 * (0.173 * phase).cos() + 9.0 * (1.9 * phase).sin();
+                let height_m = if curvature == 0.0 { bumps_m } else { -curvature * x * x };
+                let receivers = [Point { x: x - 300.0, height_m: -150.0 }, Point { x: x - 45.0, height_m: 260.0 }];
+                let from = [receivers[0], receivers[1], receivers[1]];
+                let (_, touches) = hull.tangents(Registers::Any, from);
+                hull.push(Registers::Any, Point { x, height_m });
+                for (touch, from) in touches.into_iter().zip(receivers).filter(|_| step > 0) {
+                    let expected = steepest(&points, from.x, from.height_m);
+                    // Lines through vertices are rounded to 1e-3 m, and points are 45 m away or more; chords of 40 m in a
+                    // hull that was thinned out sag by 0.004 m.
+                    let got = (touch.height_m - from.height_m) / (touch.x - from.x);
+                    assert!((got - expected).abs() < 1e-4, "{step}: {touch:?} {expected}");
+                }
+                points.push(Point { x, height_m });
             }
         }
     }
@@ -134,10 +207,11 @@ mod tests {
     fn points_behind_a_receiver_do_not_count() {
         let mut hull = Hull::default();
         for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
-            hull.push(x, height_m);
+            hull.push(Registers::Any, Point { x, height_m });
         }
-        let touch = hull.tangent_beyond(150.0, 0.0);
-        assert_eq!((touch.rise_m, touch.run_m), (28.0, 50.0));
-        assert!(Hull::default().tangent_beyond(0.0, 0.0).rise_m < -1e29);
+        let from = |x| Point { x, height_m: 0.0 };
+        assert_eq!(hull.tangent_beyond(Registers::Any, from(150.0)), Point { x: 200.0, height_m: 28.0 });
+        assert_eq!(hull.tangent_beyond(Registers::Any, from(50.0)), Point { x: 100.0, height_m: 20.0 });
+        assert_eq!(Hull::default().tangent_beyond(Registers::Any, from(0.0)), NOTHING);
     }
 }

@@ -9,17 +9,23 @@
 //! ```
 //!
 //! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
+//! That square root is taken in the first steps; beyond, the slope half way through the cell comes from `(H₁ + H₂)/2 − c₂(t₂ − t₁)²/4`,
+//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all.
 //! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;
+use super::wide::wide;
+
+/// Major steps within which the surface between two crossings is always searched exactly.
+const EXACT: f64 = 2.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    /// Offsets of the two nodes beside it, and their shares.
+    /// Offsets of the two nodes beside it, and the share of the second.
     nodes: [isize; 2],
-    shares: [f32; 2],
+    share: f32,
     /// One over the distance in major steps.
     inverse: f32,
     /// Offset of the twist of the cell before.
@@ -30,12 +36,18 @@ struct Crossing {
     leave_squared: f32,
     sum: f32,
     inverse_run: f32,
+    /// The slope half way: of the heights at both ends, and of the twist.
+    middle: [f32; 2],
+    /// By how much a twist of 1 may raise a slope in between above the three.
+    hump: f32,
 }
 
 /// All crossings of one azimuth up to a reach.
 #[derive(Debug)]
 pub struct Stencil {
     crossings: Vec<Crossing>,
+    /// How many of them are exact.
+    exact: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -55,7 +67,8 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        Self { crossings, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        let exact = steps.iter().filter(|step| **step <= EXACT).count();
+        Self { crossings, exact, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -74,9 +87,10 @@ impl Crossing {
         let share = if share < 1e-6 { 0.0 } else { share as f32 };
         let middle = 0.5 * (from + to);
         let cell = node((ray.sign as f64 * middle).floor(), (ray.minor * middle).floor());
+        let bulge = -0.25 * (to - from) * (to - from) * ray.sign as f64 * ray.minor;
         Self {
             nodes,
-            shares: [1.0 - share, share],
+            share,
             inverse: (1.0 / to) as f32,
             cell,
             enter: from as f32,
@@ -84,33 +98,92 @@ impl Crossing {
             leave_squared: (to * to) as f32,
             sum: (from + to) as f32,
             inverse_run: (1.0 / (to - from)) as f32,
+            middle: [(0.5 / middle) as f32, (bulge / middle) as f32],
+            hump: (bulge.abs() / (4.0 * from.max(0.1))) as f32,
         }
     }
 }
 
-/// The steepest near slope of `LANES` receivers from node `at` on, in metres per major step.
-#[inline(always)]
-pub fn slopes(
-    heights_m: &[f32],
-    twists_m: &[f32],
-    stencil: &Stencil,
-    at: usize,
-    observers_m: &[f32; LANES],
-) -> [f32; LANES] {
-    let mut best = [NEVER_M; LANES];
-    let mut before = *lanes(heights_m, at, 0);
-    for i in 0..LANES {
-        // A gap's own height is filled.
-        before[i] = if before[i] > NEVER_M { before[i] - observers_m[i] } else { 0.0 };
+/// The receivers of a row, from node `at` on, and what lies around them.
+#[derive(Debug, Clone, Copy)]
+pub struct Site<'a> {
+    pub heights_m: &'a [f32],
+    pub twists_m: &'a [f32],
+    pub at: usize,
+    pub observers_m: &'a [f32; LANES],
+}
+
+impl Site<'_> {
+    /// Heights of the ground above the observers.
+    #[inline(always)]
+    fn ground_m(&self) -> [f32; LANES] {
+        let mut ground_m = *lanes(self.heights_m, self.at, 0);
+        for i in 0..LANES {
+            // A gap's own height is filled.
+            ground_m[i] = if ground_m[i] > NEVER_M { ground_m[i] - self.observers_m[i] } else { 0.0 };
+        }
+        ground_m
     }
-    for (order, crossing) in stencil.crossings.iter().enumerate() {
-        let a = lanes(heights_m, at, crossing.nodes[0]);
-        let b = lanes(heights_m, at, crossing.nodes[1]);
-        let twist = lanes(twists_m, at, crossing.cell);
-        let [share_a, share_b] = crossing.shares;
+
+    /// The steepest near slopes, in metres per major step, but for humps between crossings; and what they may be with those.
+    #[inline(always)]
+    pub fn slopes(&self, stencil: &Stencil) -> [[f32; LANES]; 2] {
+        let observers_m = *self.observers_m;
+        let mut best = [NEVER_M; LANES];
+        let mut before = self.ground_m();
+        let (exact, others) = stencil.crossings.split_at(stencil.exact);
+        for (order, crossing) in exact.iter().enumerate() {
+            self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
+        }
+        let mut perhaps = best;
+        for crossing in others {
+            // Copies: nothing written below may be taken for one of them.
+            let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
+            let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
+            let twist = *lanes(self.twists_m, self.at, crossing.cell);
+            for i in 0..LANES {
+                let here = crossing.rise_m(a[i], b[i], observers_m[i]);
+                let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
+                let sampled = larger(here * crossing.inverse, middle);
+                best[i] = larger(best[i], sampled);
+                perhaps[i] = larger(perhaps[i], crossing.hump.mul_add(twist[i].abs(), sampled));
+                before[i] = here;
+            }
+        }
+        [best, perhaps]
+    }
+
+    /// The steepest near slopes.
+    #[inline(never)]
+    pub fn exact_slopes(&self, stencil: &Stencil) -> [f32; LANES] {
+        wide(
+            #[inline(always)]
+            || {
+                let mut best = [NEVER_M; LANES];
+                let mut before = self.ground_m();
+                for (order, crossing) in stencil.crossings.iter().enumerate() {
+                    self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
+                }
+                best
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn pass_exactly(
+        &self,
+        stencil: &Stencil,
+        order: usize,
+        crossing: &Crossing,
+        before: &mut [f32; LANES],
+        best: &mut [f32; LANES],
+    ) {
+        let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
+        let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
+        let twist = *lanes(self.twists_m, self.at, crossing.cell);
         let own = order == 0 && stencil.on_ground;
         for i in 0..LANES {
-            let here = share_a * a[i] + share_b * b[i] - observers_m[i];
+            let here = crossing.rise_m(a[i], b[i], self.observers_m[i]);
             let c2 = stencil.bend * twist[i];
             let c1 = (here - before[i]) * crossing.inverse_run - c2 * crossing.sum;
             let c0 = before[i] - c1 * crossing.enter - c2 * crossing.enter_squared;
@@ -122,7 +195,13 @@ pub fn slopes(
             before[i] = here;
         }
     }
-    best
+}
+
+impl Crossing {
+    #[inline(always)]
+    fn rise_m(&self, a: f32, b: f32, observer_m: f32) -> f32 {
+        self.share.mul_add(b, (1.0 - self.share).mul_add(a, -observer_m))
+    }
 }
 
 #[inline(always)]
@@ -135,4 +214,21 @@ fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
 #[inline(always)]
 pub fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
+}
+
+/// The largest of some numbers; those that are NaN do not count.
+#[inline(always)]
+pub fn largest(numbers: &[f32; LANES]) -> f32 {
+    let mut half = [0.0; LANES / 2];
+    for i in 0..LANES / 2 {
+        half[i] = larger(larger(f32::NEG_INFINITY, numbers[i]), numbers[i + LANES / 2]);
+    }
+    let mut length = LANES / 4;
+    while length > 0 {
+        for i in 0..length {
+            half[i] = larger(half[i], half[i + length]);
+        }
+        length /= 2;
+    }
+    half[0]
 }
