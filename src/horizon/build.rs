@@ -12,12 +12,14 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::band::Ends;
+use super::bound::{self, Bounds};
 use super::checkpoint::Checkpoint;
 use super::error::{Error, TileErrors};
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
 use super::pack::HorizonMap;
 use super::request::Request;
+use super::settings::Settings;
 use super::store::{self, Header};
 use super::sweep::Sweep;
 use super::sweep::grid::Major;
@@ -121,12 +123,7 @@ impl<'a> Builder<'a> {
             self.sweep = Some((major, Sweep::new(face, *level, major, settings), ends));
         }
         let Some((_, sweep, ends)) = &self.sweep else { return };
-        let plane = |&azimuth: &usize| {
-            let elevations_rad = sweep.elevations_rad(settings.direction(azimuth));
-            let mut plane = Plane { azimuth, stride: sweep.receivers.stride, elevations_rad };
-            ends.iter().for_each(|ends| ends.clamp(&mut plane));
-            plane
-        };
+        let plane = |&azimuth: &usize| plane(sweep, ends.as_ref(), settings, azimuth);
         let planes: Vec<_> = block.par_iter().map(plane).collect();
         self.state.sums.add(&planes);
         planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
@@ -144,14 +141,25 @@ impl<'a> Builder<'a> {
         let sums = &mut self.state.sums;
         sums.transpose();
         let (columns, rows) = (sums.columns(), sums.rows());
-        let errors = TileErrors::default();
+        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
         let levels = sums.texels();
         let Request { face, level, settings, encoding, .. } = &self.request;
-        let mut map = HorizonMap { encoding: *encoding, columns, rows, levels, errors };
-        map.errors = measure(face, *level, settings, &self.state.sample, &map);
+        let mut map = HorizonMap { encoding: *encoding, columns, rows, levels, errors, bounds };
+        let errors = measure(face, *level, settings, &self.state.sample, &map);
+        let (bounds, statistics) = bound::bounds(&self.request, &map, &self.state.sample.pixels, &errors.decoded_rad);
+        map.errors = errors.statistics(statistics);
+        map.bounds = bounds;
         let header = Header::new(&self.request, &map);
         store::write(&self.path, &header, &map)?;
         self.checkpoint.remove();
         Ok(map)
     }
+}
+
+/// The swept plane of an azimuth, moved into the band that matters.
+pub(super) fn plane(sweep: &Sweep, ends: Option<&Ends>, settings: &Settings, azimuth: usize) -> Plane {
+    let elevations_rad = sweep.elevations_rad(settings.direction(azimuth));
+    let mut plane = Plane { azimuth, stride: sweep.receivers.stride, elevations_rad };
+    ends.iter().for_each(|ends| ends.clamp(&mut plane));
+    plane
 }

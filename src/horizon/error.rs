@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::bound::BoundStatistics;
+
 /// Why a tile cannot be made, written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -93,4 +95,5 @@ pub struct TileErrors {
     pub swept: ErrorStatistics,
     /// Of the series decoded from the tile.
     pub decoded: ErrorStatistics,
+    pub bound: BoundStatistics,
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::pack::{Encoding, TEXEL_COEFFICIENTS, Texels, pack};
 use super::series::turned;
+use super::sweep::grid::Major;
 use super::sweep::wide::wide;
 
 /// Real numbers per texel.
@@ -55,6 +56,16 @@ pub struct Plane {
     pub azimuth: usize,
     pub stride: usize,
     pub elevations_rad: Vec<f32>,
+}
+
+impl Plane {
+    /// The elevation at a node of the map.
+    pub fn at(&self, major: Major, column: usize, row: usize) -> f32 {
+        match major {
+            Major::Row => self.elevations_rad[row * self.stride + column],
+            Major::Column => self.elevations_rad[column * self.stride + row],
+        }
+    }
 }
 
 impl Accumulator {
@@ -163,6 +174,7 @@ fn add_scaled(values: &[f32], weights: &[f32; REALS], sums: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::horizon::bound::Bounds;
     use crate::horizon::error::TileErrors;
     use crate::horizon::pack::HorizonMap;
     use crate::horizon::series::Series;
@@ -183,8 +195,8 @@ mod tests {
         let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
         let planes = planes(columns, rows, 64);
         sums.add(&planes);
-        let map =
-            HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
+        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
+        let map = HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors, bounds };
         for (column, row) in [(0, 0), (10, 8), (4, 5)] {
             let profile: Vec<_> = planes.iter().map(|p| f64::from(p.elevations_rad[row * columns + column])).collect();
             let expected = Series::fit(&profile, 15);

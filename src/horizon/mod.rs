@@ -14,14 +14,17 @@
 //! last level lies the bare sphere, lowered to the feet of an observer who stands below it.
 
 pub mod band;
+pub mod bound;
 pub mod build;
 pub mod checkpoint;
+pub mod decode;
 pub mod error;
 pub mod fit;
 pub mod georeference;
 pub mod inspect;
 pub mod measure;
 pub mod pack;
+pub mod pages;
 pub mod request;
 pub mod series;
 pub mod settings;
@@ -34,6 +37,7 @@ pub mod trace;
 pub const SERIES_WGSL: &str = include_str!("series.wgsl");
 
 pub use band::Band;
+pub use bound::{BoundStatistics, Bounds};
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
 pub use pack::{Encoding, HorizonMap, Texels};

@@ -28,6 +28,7 @@ use glam::DVec2;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
+use super::bound::Bounds;
 use super::error::TileErrors;
 use super::series::Series;
 
@@ -77,6 +78,7 @@ pub struct HorizonMap {
     /// Coefficients 0–3, 4–7, 8–11, 12–15.
     pub levels: Vec<Texels>,
     pub errors: TileErrors,
+    pub bounds: Bounds,
 }
 
 impl HorizonMap {
@@ -93,6 +95,11 @@ impl HorizonMap {
             }
         }
         Series { mean_rad, harmonics_rad }
+    }
+
+    /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing is known.
+    pub fn bound_rad(&self, grid: DVec2) -> Option<f64> {
+        self.bounds.bound_rad(grid)
     }
 }
 
@@ -173,7 +180,7 @@ pub fn unpack(word: u32) -> [f32; 2] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A map whose coefficient `k` grows linearly over the grid.
@@ -192,7 +199,24 @@ mod tests {
             level
         });
         let levels = levels.collect();
-        HorizonMap { encoding, columns, rows, levels, errors: TileErrors::default() }
+        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
+        HorizonMap { encoding, columns, rows, levels, errors, bounds }
+    }
+
+    /// A map of half floats between -1 and 1 without any pattern.
+    pub fn noise(encoding: Encoding, columns: usize, rows: usize) -> HorizonMap {
+        let mut map = ramp(encoding, columns, rows);
+        let mut state = 1_u32;
+        let mut next = || {
+            // Numerical Recipes' linear congruence.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state as f32 / u32::MAX as f32 * 2.0 - 1.0
+        };
+        for level in &mut map.levels {
+            level.texels.iter_mut().flatten().for_each(|word| *word = pack([next(), next()]));
+        }
+        map.bounds.codes.iter_mut().for_each(|code| *code = (next().abs() * 255.0) as u8);
+        map
     }
 
     #[test]

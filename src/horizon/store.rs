@@ -19,21 +19,21 @@ use std::path::{Path, PathBuf};
 use bytemuck::cast_slice;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::encoder::colortype::ColorType;
-use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
-use tiff::tags::{ExtraSamples, PhotometricInterpretation, SampleFormat, Tag};
+use tiff::decoder::{Decoder, Limits};
+use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
+use tiff::tags::Tag;
 
 use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
-use super::pack::{Encoding, HorizonMap, Texels};
+use super::pack::{Encoding, HorizonMap};
+use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 const FORMAT: &str = "perilune horizon tile";
 
@@ -105,6 +105,8 @@ pub struct Header {
     /// The swept level, then the coarser ones that only occlude.
     pub inputs: Vec<InputHeader>,
     pub errors: TileErrors,
+    /// In the order of the file; filled in by [`write`].
+    pub pages: Vec<PageHeader>,
 }
 
 /// The spheroid that latitudes refer to.
@@ -178,6 +180,7 @@ impl Header {
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
             errors: map.errors,
+            pages: Vec::new(),
         }
     }
 }
@@ -209,20 +212,6 @@ pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
     directory.join(format!("horizon_{}.tif", &key.0[..16]))
 }
 
-/// Eight half floats per pixel.
-struct Halves;
-
-impl ColorType for Halves {
-    type Inner = u16;
-    const TIFF_VALUE: PhotometricInterpretation = PhotometricInterpretation::BlackIsZero;
-    const BITS_PER_SAMPLE: &'static [u16] = &[16];
-    const SAMPLE_FORMAT: &'static [SampleFormat] = &[SampleFormat::IEEEFP];
-
-    fn horizontal_predict(_: &[u16], _: &mut Vec<u16>) {
-        unreachable!("tiles are written without a predictor")
-    }
-}
-
 /// Writes a tile under its final name once it is whole.
 pub fn write(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Error> {
     if let Some(directory) = path.parent() {
@@ -249,19 +238,19 @@ fn write_pages(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Err
 }
 
 fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
-    let description = serde_json::to_string(header).expect("a header is plain data");
-    let mut encoder = TiffEncoder::new(file)?.with_compression(Compression::Deflate(DeflateLevel::Balanced));
-    for (index, level) in map.levels.iter().enumerate() {
-        let mut page = encoder.new_image::<Halves>(level.columns as u32, level.rows as u32)?;
-        page.extra_samples(&[ExtraSamples::Unspecified; 7])?;
-        page.rows_per_strip(64)?;
-        if index == 0 {
-            page.encoder().write_tag(Tag::ImageDescription, description.as_str())?;
-            georeference::write_tags(page.encoder(), header)?;
-        }
-        let top_down: Vec<u16> =
-            (level.texels.chunks(level.columns).rev()).flat_map(|row| cast_slice(row).to_vec()).collect();
-        page.write_data(&top_down)?;
+    let mut file = TiffEncoder::new(file)?
+        .with_compression(Compression::Deflate(DeflateLevel::Best))
+        .with_predictor(Predictor::Horizontal);
+    let pages = pages::pages(map);
+    let header = Header { pages: pages.iter().map(|page| page.header.clone()).collect(), ..header.clone() };
+    let description = serde_json::to_string(&header).expect("a header is plain data");
+    for (index, page) in pages.iter().enumerate() {
+        page.write(&mut file, |tags| {
+            if index == 0 {
+                tags.write_tag(Tag::ImageDescription, description.as_str())?;
+            }
+            georeference::write_tags(tags, &header, page.header.scale, page.header.rows)
+        })?;
     }
     Ok(())
 }
@@ -273,36 +262,23 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
     let mut decoder = Decoder::new(BufReader::new(file)).map_err(decode)?.with_limits(Limits::unlimited());
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).map_err(decode)?;
     let header = parse(path, &description)?;
-    let mut levels = Vec::new();
-    for (page, scale) in header.scales.into_iter().enumerate() {
-        if page > 0 {
+    let mut pages = Vec::new();
+    for (index, page) in header.pages.iter().enumerate() {
+        if index > 0 {
             decoder.next_image().map_err(decode)?;
         }
-        let mut level = Texels::empty(header.columns, header.rows, scale);
-        let (got, expected) = (decoder.dimensions().map_err(decode)?, (level.columns as u32, level.rows as u32));
+        let (got, expected) = (decoder.dimensions().map_err(decode)?, (page.columns as u32, page.rows as u32));
         if got != expected {
-            return Err(Error::Page { path: path.into(), page, got, expected });
+            return Err(Error::Page { path: path.into(), page: index, got, expected });
         }
-        let DecodingResult::F16(halves) = decoder.read_image().map_err(decode)? else {
-            return Err(Error::header(path, format!("page {page} does not hold half floats")));
-        };
-        let halves: &[u16] = cast_slice(&halves);
-        if halves.len() != level.texels.len() * 8 {
-            return Err(Error::header(path, format!("page {page} does not hold eight samples per pixel")));
-        }
-        for (row, halves) in level.texels.chunks_mut(level.columns).rev().zip(halves.chunks(8 * level.columns)) {
-            bytemuck::cast_slice_mut::<_, u16>(row).copy_from_slice(halves);
-        }
-        levels.push(level);
+        let values = pages::read_values(&mut decoder, page.columns).map_err(decode)?;
+        let values = values.ok_or_else(|| Error::header(path, format!("page {index} does not hold whole numbers")))?;
+        pages.push(Page { header: page.clone(), values });
     }
-    let map = HorizonMap {
-        encoding: header.encoding,
-        columns: header.columns,
-        rows: header.rows,
-        levels,
-        errors: header.errors,
-    };
-    Ok((header, map))
+    let Header { encoding, columns, rows, errors, .. } = header;
+    let unpaged = pages::unpages(&pages, encoding, columns, rows);
+    let (levels, bounds) = unpaged.ok_or_else(|| Error::header(path, "its pages are not those of its encoding"))?;
+    Ok((header, HorizonMap { encoding, columns, rows, levels, errors, bounds }))
 }
 
 fn parse(path: &Path, description: &str) -> Result<Header, Error> {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use perilune::horizon::pack::{pack, unpack};
-use perilune::horizon::{Encoding, HorizonMap, SERIES_WGSL, Texels, TileErrors};
+use perilune::horizon::{Bounds, Encoding, HorizonMap, SERIES_WGSL, Texels, TileErrors};
 
 use super::{Comparison, Shader, functions, gpu, spread};
 
@@ -21,7 +21,8 @@ fn map(encoding: Encoding) -> HorizonMap {
         Texels { columns, rows, texels: texels.collect() }
     };
     let levels = (0..).zip(encoding.scales()).map(|(group, scale)| level(group, scale)).collect();
-    HorizonMap { encoding, columns: COLUMNS, rows: ROWS, levels, errors: TileErrors::default() }
+    let (errors, bounds) = (TileErrors::default(), Bounds::unknown(COLUMNS, ROWS));
+    HorizonMap { encoding, columns: COLUMNS, rows: ROWS, levels, errors, bounds }
 }
 
 fn shader(map: &HorizonMap) -> Shader {
