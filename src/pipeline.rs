@@ -154,12 +154,16 @@ pub fn scene(
         observer_height_m: scenario.horizon.observer_height_m,
         band: None,
     };
-    let maps = |settings: horizon::Settings| {
+    let mut tiles = Vec::new();
+    let mut maps = |settings: horizon::Settings| {
         let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
         let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
         let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
-        let silent = |_: &ground::Tile| Ok::<_, Error>(());
-        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)
+        let listed = |tile: &ground::Tile| {
+            tiles.push(tile.input());
+            Ok::<_, Error>(())
+        };
+        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, listed)
     };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
@@ -167,6 +171,7 @@ pub fn scene(
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
     };
+    ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
         shadows,

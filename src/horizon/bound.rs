@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 
 use super::band::Ends;
 use super::decode::Decoder;
+use super::error::ErrorStatistics;
 use super::pack::HorizonMap;
 use super::request::Request;
 use super::sweep::Sweep;
@@ -96,6 +97,8 @@ pub struct BoundStatistics {
     pub azimuths: usize,
     /// From the largest error there to the bound.
     pub factor: f64,
+    /// RMS of the measured samples' errors as shares of their nodes' bounds: times a bound, a standard deviation.
+    pub rms_share: f64,
     /// Measured nodes, and samples of them, beyond their bound.
     pub nodes_beyond: usize,
     pub samples_beyond: usize,
@@ -134,7 +137,17 @@ pub fn bounds(
     };
     let bounds = Bounds { columns: map.columns, codes: (0..largest_rad.len()).map(code).collect() };
     let [nodes_beyond, samples_beyond] = BoundStatistics::beyond(&bounds, nodes, errors_rad);
-    (bounds, BoundStatistics { azimuths: probed.len(), factor, nodes_beyond, samples_beyond })
+    let rms_share = rms_share(&bounds, nodes, errors_rad);
+    (bounds, BoundStatistics { azimuths: probed.len(), factor, rms_share, nodes_beyond, samples_beyond })
+}
+
+/// RMS of errors as shares of their nodes' bounds, `[node][azimuth]`, in the header's digits.
+fn rms_share(bounds: &Bounds, nodes: &[[usize; 2]], errors_rad: &[Vec<f64>]) -> f64 {
+    let shares = nodes.iter().zip(errors_rad).flat_map(|([column, row], errors_rad)| {
+        let bound_rad = decode_rad(bounds.codes[row * bounds.columns + column]).unwrap_or(f64::INFINITY);
+        errors_rad.iter().map(move |error_rad| error_rad / bound_rad)
+    });
+    ErrorStatistics::of(shares).rms_rad
 }
 
 /// Every so-many-th azimuth, none of them a cardinal one where there is a choice.

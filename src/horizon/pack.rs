@@ -97,6 +97,11 @@ impl HorizonMap {
         Series { mean_rad, harmonics_rad }
     }
 
+    /// Standard deviation of the skyline's error at a grid point, in radians; `None` where nothing is known.
+    pub fn sigma_rad(&self, grid: DVec2) -> Option<f64> {
+        self.bound_rad(grid).map(|bound_rad| self.errors.bound.rms_share * bound_rad)
+    }
+
     /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing is known.
     pub fn bound_rad(&self, grid: DVec2) -> Option<f64> {
         self.bounds.bound_rad(grid)
