@@ -157,8 +157,7 @@ pub fn scene(
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => {
-            let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
-            let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+            let (folder, encoding) = (cache.join("horizon"), scenario.horizon.encoding);
             let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
             let silent = |_: &ground::Tile| Ok::<_, Error>(());
             Shadows::Fourier(ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)?)
@@ -187,7 +186,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
     if let Some(gpu) = &gpu {
-        let horizons = scenario.shadows == scenario::Shadows::Fourier;
+        let horizons = (scenario.shadows == scenario::Shadows::Fourier).then_some(scenario.horizon.encoding);
         DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
     }
     seconds.terrain = lap(start);

@@ -48,7 +48,7 @@ impl Options {
     }
 }
 
-const ENCODINGS: [Encoding; 2] = [Encoding::Fm16, Encoding::F16];
+const ENCODINGS: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
 const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
 const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
 
@@ -304,8 +304,7 @@ fn tile(
 
     let receivers = scene.receivers() as f64;
     let samples = receivers * settings.azimuths as f64;
-    let texels: usize = map.levels.iter().map(|level| level.texels.len()).sum();
-    let in_memory = (texels * size_of::<[u32; 4]>()) as f64 / receivers;
+    let in_memory = map.bytes() as f64 / receivers;
     let on_disk = folder.bytes() as f64 / receivers;
     let row =
         vec![seconds.into(), (samples / seconds * 1e-6).into(), in_memory.into(), on_disk.into(), peak_mib.into()];

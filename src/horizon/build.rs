@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::band::Ends;
 use super::checkpoint::Checkpoint;
-use super::error::{Error, TileErrors};
+use super::error::Error;
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
 use super::pack::{Encoding, HorizonMap};
@@ -79,10 +79,9 @@ fn check(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> 
     if columns < 2 || rows < 2 {
         return Err(Error::TooSmall { level, columns, rows });
     }
-    // Fewer samples than twice the highest harmonic do not determine it.
-    let least = 2 * encoding.harmonics() + 1;
+    let least = encoding.least_azimuths();
     if settings.azimuths < least {
-        return Err(Error::TooFewAzimuths { got: settings.azimuths, harmonics: encoding.harmonics(), least });
+        return Err(Error::TooFewAzimuths { got: settings.azimuths, encoding, least });
     }
     if !(0.0..=1e6).contains(&settings.observer_height_m) {
         return Err(Error::ObserverHeight { got: settings.observer_height_m });
@@ -191,10 +190,7 @@ impl<'a> Builder<'a> {
         self.sweep = None;
         let sums = &mut self.state.sums;
         sums.transpose();
-        let (columns, rows) = (sums.columns(), sums.rows());
-        let errors = TileErrors::default();
-        let levels = sums.texels();
-        let mut map = HorizonMap { encoding: self.encoding, columns, rows, levels, errors };
+        let mut map = sums.map();
         map.errors = measure(self.face, self.level, &self.settings, &self.state.sample, &map);
         let header = Header::new(body, self.face, self.level, &self.settings, &map);
         store::write(&self.path, &header, &map)?;

@@ -29,13 +29,10 @@ pub mod store;
 pub mod sweep;
 pub mod trace;
 
-/// Function `horizon_elevation`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
-pub const SERIES_WGSL: &str = include_str!("series.wgsl");
-
 pub use band::Band;
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
-pub use pack::{Encoding, HorizonMap, Texels};
+pub use pack::{Encoding, Horizon, HorizonMap, Texels};
 pub use series::Series;
 pub use settings::Settings;
 pub use store::Key;

@@ -1,7 +1,8 @@
 //! Horizon tiles on disk.
 //!
-//! A tile is a TIFF that GDAL and Python open. Page `l` holds coefficients `4l … 4l+3` as eight 16-bit IEEE
-//! floats per pixel, `Re X, Im X` of each in turn ([`super::pack`]), deflated. The pages are ordinary images
+//! A tile is a TIFF that GDAL and Python open. Page `l` holds the texels of that page of the encoding ([`super::pack`]) as
+//! 16-bit samples, two to a word, the low half first, deflated: IEEE floats, or unsigned integers where the
+//! words hold fields of bits, which the header then describes. The pages are ordinary images
 //! (`NewSubfileType` 0) and not overviews: they hold *other* coefficients, at the scale that the header states.
 //! Rows run from the top of the map down, so the first row on disk is the last one of the grid; where the number of rows is no
 //! multiple of a page's scale the partial box is the first row on disk.
@@ -27,13 +28,13 @@ use tiff::tags::{ExtraSamples, PhotometricInterpretation, SampleFormat, Tag};
 use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
-use super::pack::{Encoding, HorizonMap, Texels};
+use super::pack::{Encoding, encoding, Family, Field, HorizonMap, Texels};
 use super::settings::Settings;
 use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 const FORMAT: &str = "perilune horizon tile";
 
@@ -55,7 +56,7 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(numbers.as_flattened()));
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
-        hash.update([encoding as u8]);
+        hash.update(encoding.name());
         if let Some(Band { towards, reach_rad }) = settings.band {
             hash.update(b"band");
             hash.update(cast_slice::<f64, u8>(&[towards[0], towards[1], towards[2], reach_rad]));
@@ -88,6 +89,7 @@ pub struct Header {
     pub format_version: u32,
     pub generator: String,
     pub key: Key,
+    #[serde(with = "encoding::by_name")]
     pub encoding: Encoding,
     /// `h(A) = Re Σ Xₖ e^{ikA}`: one-sided, radians.
     pub series: String,
@@ -98,7 +100,10 @@ pub struct Header {
     /// Pixels of the full resolution, and the pages' scales against it.
     pub columns: usize,
     pub rows: usize,
-    pub scales: [usize; 4],
+    pub scales: Vec<usize>,
+    /// What the bits of each page mean, where its words hold fields.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<Vec<Field>>,
     pub settings: Settings,
     pub map: MapHeader,
     /// The swept level, then the coarser ones that only occlude.
@@ -160,7 +165,17 @@ impl Header {
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
             key: Key::of(body, face, level, settings, map.encoding),
             encoding: map.encoding,
-            series: "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3".into(),
+            series: match map.encoding.family() {
+                Family::Halves => {
+                    "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3"
+                }
+                Family::Samples => "h at evenly spaced azimuths from 0 on, in radians; linear between them",
+                Family::Fields => {
+                    "h(A) = sum over k of a_k cos kA + b_k sin kA, in radians; real 2k is a_k, 2k+1 is b_k, \
+                     summed over pages and fields as offset + step * signed code"
+                }
+            }
+            .into(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
             elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
             pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
@@ -171,7 +186,8 @@ impl Header {
             },
             columns: map.columns,
             rows: map.rows,
-            scales: map.encoding.scales(),
+            scales: map.encoding.pages().iter().map(|page| page.scale).collect(),
+            fields: map.fields.clone(),
             settings: *settings,
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
@@ -207,14 +223,15 @@ pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
     directory.join(format!("horizon_{}.tif", &key.0[..16]))
 }
 
-/// Eight half floats per pixel.
-struct Halves;
+/// Samples of 16 bits: half floats, or halves of words of fields.
+struct Halves<const FLOATS: bool>;
 
-impl ColorType for Halves {
+impl<const FLOATS: bool> ColorType for Halves<FLOATS> {
     type Inner = u16;
     const TIFF_VALUE: PhotometricInterpretation = PhotometricInterpretation::BlackIsZero;
     const BITS_PER_SAMPLE: &'static [u16] = &[16];
-    const SAMPLE_FORMAT: &'static [SampleFormat] = &[SampleFormat::IEEEFP];
+    const SAMPLE_FORMAT: &'static [SampleFormat] =
+        if FLOATS { &[SampleFormat::IEEEFP] } else { &[SampleFormat::Uint] };
 
     fn horizontal_predict(_: &[u16], _: &mut Vec<u16>) {
         unreachable!("tiles are written without a predictor")
@@ -250,18 +267,30 @@ fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff
     let description = serde_json::to_string(header).expect("a header is plain data");
     let mut encoder = TiffEncoder::new(file)?.with_compression(Compression::Deflate(DeflateLevel::Balanced));
     for (index, level) in map.levels.iter().enumerate() {
-        let mut page = encoder.new_image::<Halves>(level.columns as u32, level.rows as u32)?;
-        page.extra_samples(&[ExtraSamples::Unspecified; 7])?;
-        page.rows_per_strip(64)?;
-        if index == 0 {
-            page.encoder().write_tag(Tag::ImageDescription, description.as_str())?;
-            georeference::write_tags(page.encoder(), header)?;
+        let first = (index == 0).then_some((header, description.as_str()));
+        match map.encoding.family() {
+            Family::Fields => encode_page::<false>(&mut encoder, level, first)?,
+            Family::Halves | Family::Samples => encode_page::<true>(&mut encoder, level, first)?,
         }
-        let top_down: Vec<u16> =
-            (level.texels.chunks(level.columns).rev()).flat_map(|row| cast_slice(row).to_vec()).collect();
-        page.write_data(&top_down)?;
     }
     Ok(())
+}
+
+fn encode_page<const FLOATS: bool>(
+    encoder: &mut TiffEncoder<&mut BufWriter<File>>,
+    level: &Texels,
+    first: Option<(&Header, &str)>,
+) -> tiff::TiffResult<()> {
+    let mut page = encoder.new_image::<Halves<FLOATS>>(level.columns as u32, level.rows as u32)?;
+    page.extra_samples(&vec![ExtraSamples::Unspecified; 2 * level.words_per_texel - 1])?;
+    page.rows_per_strip(64)?;
+    if let Some((header, description)) = first {
+        page.encoder().write_tag(Tag::ImageDescription, description)?;
+        georeference::write_tags(page.encoder(), header)?;
+    }
+    let rows = level.words.chunks(level.columns * level.words_per_texel).rev();
+    let top_down: Vec<u16> = rows.flat_map(|row| cast_slice(row).to_vec()).collect();
+    page.write_data(&top_down)
 }
 
 /// Reads a tile with its header.
@@ -272,23 +301,27 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).map_err(decode)?;
     let header = parse(path, &description)?;
     let mut levels = Vec::new();
-    for (page, scale) in header.scales.into_iter().enumerate() {
+    for (page, layout) in header.encoding.pages().into_iter().enumerate() {
         if page > 0 {
             decoder.next_image().map_err(decode)?;
         }
-        let mut level = Texels::empty(header.columns, header.rows, scale);
+        let mut level = Texels::empty(header.columns, header.rows, layout);
         let (got, expected) = (decoder.dimensions().map_err(decode)?, (level.columns as u32, level.rows as u32));
         if got != expected {
             return Err(Error::Page { path: path.into(), page, got, expected });
         }
-        let DecodingResult::F16(halves) = decoder.read_image().map_err(decode)? else {
-            return Err(Error::header(path, format!("page {page} does not hold half floats")));
+        let image = decoder.read_image().map_err(decode)?;
+        let halves: &[u16] = match (&image, header.encoding.family()) {
+            (DecodingResult::F16(halves), Family::Halves | Family::Samples) => cast_slice(halves),
+            (DecodingResult::U16(halves), Family::Fields) => halves,
+            _ => return Err(Error::header(path, format!("page {page} does not hold the samples of {}", header.encoding))),
         };
-        let halves: &[u16] = cast_slice(&halves);
-        if halves.len() != level.texels.len() * 8 {
-            return Err(Error::header(path, format!("page {page} does not hold eight samples per pixel")));
+        let samples = 2 * layout.words;
+        if halves.len() != 2 * level.words.len() {
+            return Err(Error::header(path, format!("page {page} does not hold {samples} samples per pixel")));
         }
-        for (row, halves) in level.texels.chunks_mut(level.columns).rev().zip(halves.chunks(8 * level.columns)) {
+        let rows = level.words.chunks_mut(level.columns * layout.words).rev();
+        for (row, halves) in rows.zip(halves.chunks(samples * level.columns)) {
             bytemuck::cast_slice_mut::<_, u16>(row).copy_from_slice(halves);
         }
         levels.push(level);
@@ -298,8 +331,12 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
         columns: header.columns,
         rows: header.rows,
         levels,
+        fields: header.fields.clone(),
         errors: header.errors,
     };
+    if !map.has_fields() {
+        return Err(Error::header(path, "its fields do not lie in the words of its pages"));
+    }
     Ok((header, map))
 }
 

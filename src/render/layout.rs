@@ -52,7 +52,7 @@ pub struct MapLevel {
     pub horizon: [u32; 4],
     pub face: u32,
     pub has_horizon: u32,
-    pub horizon_halving: u32,
+    pub horizon_table: u32,
     pub padding: u32,
 }
 

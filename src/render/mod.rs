@@ -50,4 +50,6 @@ pub enum RenderError {
     BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
     #[error("traced shadows need the reference renderer; use --adapter cpu")]
     TracedOnGpu,
+    #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
+    Encodings { first: Encoding, other: Encoding },
 }

@@ -25,7 +25,6 @@ use super::planes::{Radiometry, Samples};
 use super::{RenderError, Renderer, Scene, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::horizon::SERIES_WGSL;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::terrain::{Face, Ground, Hit};
 
@@ -109,8 +108,9 @@ impl Prepared {
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
-        constants.extend(ground.constants);
-        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
+        constants.extend(&ground.constants);
+        constants.extend(ground.encoding.constants());
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
         let mut points = offsets;
         if extra {
             points.push(DVec2::ZERO);

@@ -204,7 +204,7 @@ fn skyline(facet: Facet, s: vec3f, radius_rad: f32) -> vec2f {
         return vec2f(-1.0e3, 0.0);
     }
     let towards = direction / sqrt(length_2);
-    let grid = HorizonGrid(level.columns, level.rows, level.horizon_halving, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+    let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
     let horizon = horizon_elevation(grid, facet.grid, towards);
     // A gnomonic map stretches distances from its centre by 1/cos^2 c along and 1/cos c across.
     let stretch = 1.0 + dot(facet.at_m, facet.at_m) / (facet.radius_m * facet.radius_m);

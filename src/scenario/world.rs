@@ -124,7 +124,7 @@ pub fn horizon(written: &spec::Horizon) -> Horizon {
             azimuths: spec::DEFAULT_AZIMUTHS,
             search_m: None,
             observer_height_m: 0.0,
-            encoding: spec::Encoding::default(),
+            encoding: Encoding::default(),
             band: false,
         },
     }

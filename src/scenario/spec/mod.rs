@@ -12,7 +12,7 @@ pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
 pub use world::{
-    Albedo, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, Encoding, FixedSun, Horizon, Photometry, Shadows,
+    Albedo, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
     Sun, Surface, Terrain, Values,
 };
 
