@@ -246,4 +246,24 @@ mod tests {
         }
         assert!("f5".parse::<Encoding>().unwrap_err().to_string().contains("allowed are fm4, fm8"));
     }
+
+    /// The shaders' functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
+    #[test]
+    fn the_shaders_are_valid_and_share_their_layout() {
+        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
+            fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
+        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21] {
+            let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", encoding.wgsl())).unwrap();
+            // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
+            let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+            let mut validator = naga::valid::Validator::new(Default::default(), needed);
+            validator.validate(&module).unwrap();
+            let grid = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("HorizonGrid")).unwrap().1;
+            let naga::TypeInner::Struct { members, span } = &grid.inner else { panic!("a struct") };
+            assert_eq!(*span as usize, size_of::<HorizonGrid>());
+            let names: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
+            let expected = ["columns", "rows", "table", "offset_0", "offset_1", "offset_2", "offset_3"];
+            assert_eq!(names, expected.into_iter().zip((0..).step_by(4)).collect::<Vec<_>>());
+        }
+    }
 }

@@ -28,9 +28,9 @@ use tiff::tags::{ExtraSamples, PhotometricInterpretation, SampleFormat, Tag};
 use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
-use super::pack::{Encoding, encoding, Family, Field, HorizonMap, Texels};
+use super::pack::{Encoding, Family, Field, HorizonMap, Texels, encoding};
+use super::request::Request;
 use super::settings::Settings;
-use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
@@ -44,8 +44,9 @@ const FORMAT: &str = "perilune horizon tile";
 pub struct Key(String);
 
 impl Key {
-    /// The key of the horizons of `face.levels[level]`; finer levels have no share in them.
-    pub fn of(body: &Body, face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Self {
+    /// The key of the horizons asked for.
+    pub fn of(request: &Request) -> Self {
+        let Request { body, face, level, settings, encoding } = *request;
         let mut hash = Sha256::new();
         hash.update(FORMAT_VERSION.to_le_bytes());
         hash.update(&body.name);
@@ -151,7 +152,8 @@ pub struct InputHeader {
 }
 
 impl Header {
-    pub fn new(body: &Body, face: &Face, level: usize, settings: &Settings, map: &HorizonMap) -> Self {
+    pub fn new(request: &Request, map: &HorizonMap) -> Self {
+        let Request { body, face, level, settings, .. } = *request;
         let input = |level: &Level| InputHeader {
             columns: level.columns,
             rows: level.rows,
@@ -163,7 +165,7 @@ impl Header {
             format: FORMAT.into(),
             format_version: FORMAT_VERSION,
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
-            key: Key::of(body, face, level, settings, map.encoding),
+            key: request.key(),
             encoding: map.encoding,
             series: match map.encoding.family() {
                 Family::Halves => {
@@ -188,7 +190,7 @@ impl Header {
             rows: map.rows,
             scales: map.encoding.pages().iter().map(|page| page.scale).collect(),
             fields: map.fields.clone(),
-            settings: *settings,
+            settings,
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
             errors: map.errors,

@@ -19,6 +19,7 @@ pub use view::{Light, Scene, Shadows, View};
 use std::time::Duration;
 
 use crate::gpu::GpuError;
+use crate::horizon::Encoding;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer.

@@ -7,6 +7,7 @@ use hifitime::Epoch;
 
 use super::spec;
 use crate::geometry::{Body, Geodetic};
+use crate::horizon::Encoding;
 
 pub use super::spec::{Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Values};
 
