@@ -53,4 +53,6 @@ pub enum RenderError {
     TracedOnGpu,
     #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
     Encodings { first: Encoding, other: Encoding },
+    #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
+    TooManyLights { got: usize, allowed: usize },
 }
