@@ -156,8 +156,7 @@ pub fn scene(
     };
     let mut tiles = Vec::new();
     let mut maps = |settings: horizon::Settings| {
-        let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
-        let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+        let (folder, encoding) = (cache.join("horizon"), scenario.horizon.encoding);
         let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
         let listed = |tile: &ground::Tile| {
             tiles.push(tile.input());
@@ -195,7 +194,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
     if let Some(gpu) = &gpu {
-        let horizons = scenario.shadows.need_maps();
+        let horizons = scenario.shadows.need_maps().then_some(scenario.horizon.encoding);
         DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
     }
     seconds.terrain = lap(start);

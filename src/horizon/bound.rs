@@ -188,7 +188,8 @@ fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> 
         for block in azimuths.chunks(BLOCK) {
             let plane = |&azimuth: &usize| super::build::plane(&sweep, plane_ends.as_ref(), settings, azimuth);
             let planes: Vec<_> = block.par_iter().map(plane).collect();
-            let decoder = Decoder::new(map, block.iter().map(|azimuth| settings.direction(*azimuth)));
+            let directions: Vec<_> = block.iter().map(|azimuth| settings.direction(*azimuth)).collect();
+            let decoder = Decoder::new(map, &directions);
             largest_rad.par_chunks_mut(map.columns).enumerate().for_each(|(row, largest_rad)| {
                 let decoded = decoder.row(row);
                 for (plane, decoded_rad) in planes.iter().zip(decoded.chunks(map.columns)) {

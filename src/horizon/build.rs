@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::band::Ends;
-use super::bound::{self, Bounds};
+use super::bound;
 use super::checkpoint::Checkpoint;
-use super::error::{Error, TileErrors};
+use super::error::Error;
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
 use super::pack::HorizonMap;
@@ -140,11 +140,8 @@ impl<'a> Builder<'a> {
         self.sweep = None;
         let sums = &mut self.state.sums;
         sums.transpose();
-        let (columns, rows) = (sums.columns(), sums.rows());
-        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
-        let levels = sums.texels();
-        let Request { face, level, settings, encoding, .. } = &self.request;
-        let mut map = HorizonMap { encoding: *encoding, columns, rows, levels, errors, bounds };
+        let Request { face, level, settings, .. } = &self.request;
+        let mut map = sums.map();
         let errors = measure(face, *level, settings, &self.state.sample, &map);
         let (bounds, statistics) = bound::bounds(&self.request, &map, &self.state.sample.pixels, &errors.decoded_rad);
         map.errors = errors.statistics(statistics);

@@ -1,51 +1,60 @@
 //! A map's skylines in a few azimuths, row by row: what [`HorizonMap::horizon`] gives at the nodes, in `f32`.
 //!
-//! For a fixed azimuth the sum over coefficients and the interpolation between texels commute:
+//! For a fixed azimuth the sum over numbers and the interpolation between texels commute:
 //!
 //! ```text
-//! h = Σₗ bilinear(Σₖ Re Xₖ cos kA − Im Xₖ sin kA),  k of level l
+//! h = Σₗ bilinear(Σ weight · value),  the sum over the numbers of level l
 //! ```
 //!
 //! so that each texel row is summed once per azimuth and only one number per level is interpolated.
 
-use glam::{DVec2, Vec2Swizzles as _};
+use glam::DVec2;
 
-use super::pack::{HorizonMap, TEXEL_COEFFICIENTS, Texels, unpack};
+use super::numbers::{Number, numbers};
+use super::pack::{HorizonMap, Texels};
 use super::sweep::wide::wide;
 
-/// Real numbers in a texel.
-const REALS: usize = 2 * TEXEL_COEFFICIENTS;
-
-/// A map and the weights of its coefficients in some directions.
+/// A map and the weights of its numbers in some directions.
 #[derive(Debug)]
 pub struct Decoder<'a> {
     map: &'a HorizonMap,
-    /// `[direction][level]`: `cos kA` and `−sin kA` of each coefficient.
-    weights: Vec<Vec<[f32; REALS]>>,
+    /// `[level][number]`.
+    numbers: Vec<Vec<Number>>,
+    /// `[level][direction][number]`.
+    weights: Vec<Vec<Vec<f32>>>,
 }
 
 impl<'a> Decoder<'a> {
     /// A decoder for unit map directions.
-    pub fn new(map: &'a HorizonMap, directions: impl Iterator<Item = DVec2>) -> Self {
-        Self { map, weights: directions.map(|direction| weights(map, direction)).collect() }
+    pub fn new(map: &'a HorizonMap, directions: &[DVec2]) -> Self {
+        let all = numbers(map.encoding, &map.fields);
+        let of_level = |level: usize| all.iter().filter(|number| number.level == level).copied().collect();
+        let numbers: Vec<Vec<Number>> = (0..map.levels.len()).map(of_level).collect();
+        let weights = |numbers: &Vec<Number>| {
+            let towards = |direction: &DVec2| numbers.iter().map(|n| n.name.weight(*direction) as f32).collect();
+            directions.iter().map(towards).collect()
+        };
+        Self { map, weights: numbers.iter().map(weights).collect(), numbers }
     }
 
     /// Elevations of a row of nodes, `[direction][column]`, in radians.
     pub fn row(&self, row: usize) -> Vec<f32> {
         let columns = self.map.columns;
-        let mut elevations_rad = vec![0.0; self.weights.len() * columns];
-        for (index, (level, scale)) in self.map.levels.iter().zip(self.map.encoding.scales()).enumerate() {
+        let directions = self.weights.first().map_or(0, Vec::len);
+        let mut elevations_rad = vec![0.0; directions * columns];
+        for (index, (level, numbers)) in self.map.levels.iter().zip(&self.numbers).enumerate() {
+            let Some(scale) = numbers.first().map(|number| number.scale) else { continue };
             let (low, share) = neighbours(row, scale, level.rows);
-            let rows = [low, (low + 1).min(level.rows - 1)];
-            // At full resolution the second row has no share.
-            let reals = rows[..if share == 0.0 { 1 } else { 2 }].iter().map(|row| reals(level, *row));
-            let reals: Vec<_> = reals.collect();
-            for (weights, elevations_rad) in self.weights.iter().zip(elevations_rad.chunks_mut(columns)) {
+            // Where the second row has no share it is not decoded.
+            let rows = [(low, 1.0 - share), ((low + 1).min(level.rows - 1), share)];
+            let decoded = rows.iter().filter(|(_, share)| *share > 0.0);
+            let decoded: Vec<_> = decoded.map(|(row, share)| values_rad(level, numbers, *row, *share)).collect();
+            for (weights, elevations_rad) in self.weights[index].iter().zip(elevations_rad.chunks_mut(columns)) {
                 let mut sums = vec![0.0; level.columns];
-                for (reals, share) in reals.iter().zip([1.0 - share, share]) {
+                for values_rad in &decoded {
                     wide(
                         #[inline(always)]
-                        || add_scaled(reals, weights[index].map(|weight| weight * share), &mut sums),
+                        || add_scaled(values_rad, weights, &mut sums),
                     );
                 }
                 for (column, elevation_rad) in elevations_rad.iter_mut().enumerate() {
@@ -65,38 +74,21 @@ fn neighbours(node: usize, scale: usize, texels: usize) -> (usize, f32) {
     (at as usize, at.fract())
 }
 
-/// A row of texels as numbers, `[real][column]`.
-fn reals(level: &Texels, row: usize) -> Vec<f32> {
-    let mut reals = vec![0.0; REALS * level.columns];
-    for (column, texel) in level.texels[row * level.columns..(row + 1) * level.columns].iter().enumerate() {
-        for (slot, word) in texel.iter().enumerate() {
-            let [re, im] = unpack(*word);
-            reals[2 * slot * level.columns + column] = re;
-            reals[(2 * slot + 1) * level.columns + column] = im;
-        }
-    }
-    reals
-}
-
-fn weights(map: &HorizonMap, direction: DVec2) -> Vec<[f32; REALS]> {
-    let step = direction.yx();
-    let mut turned = DVec2::X;
-    let mut level = || {
-        let mut weights = [0.0; REALS];
-        for slot in 0..TEXEL_COEFFICIENTS {
-            (weights[2 * slot], weights[2 * slot + 1]) = (turned.x as f32, -turned.y as f32);
-            turned = step.rotate(turned);
-        }
-        weights
+/// The share of a row of texels in what its numbers stand for, `[number][column]`.
+fn values_rad(level: &Texels, numbers: &[Number], row: usize, share: f32) -> Vec<f32> {
+    let texels = || (0..level.columns).map(|column| level.texel(column, row));
+    let values = |number: &Number| {
+        let number = *number;
+        texels().map(move |texel| share * number.value_rad(number.get(texel))).collect::<Vec<_>>()
     };
-    map.levels.iter().map(|_| level()).collect()
+    numbers.iter().flat_map(values).collect()
 }
 
 #[inline(always)]
-fn add_scaled(reals: &[f32], weights: [f32; REALS], sums: &mut [f32]) {
-    for (reals, weight) in reals.chunks(sums.len()).zip(weights) {
-        for (sum, real) in sums.iter_mut().zip(reals) {
-            *sum += weight * real;
+fn add_scaled(values_rad: &[f32], weights: &[f32], sums: &mut [f32]) {
+    for (values_rad, weight) in values_rad.chunks(sums.len()).zip(weights) {
+        for (sum, value_rad) in sums.iter_mut().zip(values_rad) {
+            *sum += weight * value_rad;
         }
     }
 }
@@ -109,10 +101,10 @@ mod tests {
 
     #[test]
     fn rows_are_the_series_at_their_nodes() {
-        for encoding in [Encoding::Fm16, Encoding::F16] {
+        for encoding in Encoding::ALL {
             let map = noise(encoding, 21, 13);
             let directions: Vec<_> = (0..5).map(|i| DVec2::from_angle(0.3 + 1.1 * f64::from(i))).collect();
-            let decoder = Decoder::new(&map, directions.iter().copied());
+            let decoder = Decoder::new(&map, &directions);
             for row in 0..map.rows {
                 let rows = decoder.row(row);
                 for (direction, elevations_rad) in directions.iter().zip(rows.chunks(map.columns)) {

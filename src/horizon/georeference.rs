@@ -34,21 +34,13 @@ pub fn proj4(radius_m: f64, [latitude_deg, longitude_deg]: [f64; 2]) -> String {
     format!("+proj=gnom +lat_0={latitude_deg} +lon_0={longitude_deg} +R={radius_m} +units=m +no_defs")
 }
 
-/// GeoTIFF tags of a page of texels of `scale` nodes a side; none where PROJ has no word for the map. Pixels are points
-/// at full resolution; a texel's point is the middle of its box of nodes, boxes counted from the bottom left.
-pub fn write_tags<W: Write + Seek, K: TiffKind>(
-    page: &mut DirectoryEncoder<W, K>,
-    header: &Header,
-    scale: usize,
-    rows: usize,
-) -> TiffResult<()> {
+/// GeoTIFF tags of a page at full resolution; none where PROJ has no word for the map.
+pub fn write_tags<W: Write + Seek, K: TiffKind>(page: &mut DirectoryEncoder<W, K>, header: &Header) -> TiffResult<()> {
     let map = &header.map;
     let Some([latitude_deg, longitude_deg]) = map.centre_deg else { return Ok(()) };
-    let size_m = scale as f64 * map.posting_m;
-    let inset_m = 0.5 * (size_m - map.posting_m);
-    let (west_m, north_m) = (map.west_m + inset_m, map.south_m + inset_m + (rows - 1) as f64 * size_m);
-    page.write_tag(Tag::ModelPixelScaleTag, &[size_m, size_m, 0.0][..])?;
-    page.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, west_m, north_m, 0.0][..])?;
+    let north_m = map.south_m + (header.rows - 1) as f64 * map.posting_m;
+    page.write_tag(Tag::ModelPixelScaleTag, &[map.posting_m, map.posting_m, 0.0][..])?;
+    page.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, map.west_m, north_m, 0.0][..])?;
     let doubles = [map.radius_m, map.radius_m, longitude_deg, latitude_deg, 0.0, 0.0];
     let citation = "gnomonic on a sphere|";
     let entry = |key: u16, value: u16| [key, 0, 1, value];

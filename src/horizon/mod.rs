@@ -23,6 +23,7 @@ pub mod fit;
 pub mod georeference;
 pub mod inspect;
 pub mod measure;
+pub mod numbers;
 pub mod pack;
 pub mod pages;
 pub mod request;
@@ -33,14 +34,11 @@ pub mod store;
 pub mod sweep;
 pub mod trace;
 
-/// Function `horizon_elevation`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
-pub const SERIES_WGSL: &str = include_str!("series.wgsl");
-
 pub use band::Band;
 pub use bound::{BoundStatistics, Bounds};
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
-pub use pack::{Encoding, HorizonMap, Texels};
+pub use pack::{Encoding, Horizon, HorizonMap, Texels};
 pub use request::Request;
 pub use series::Series;
 pub use settings::Settings;

@@ -1,13 +1,8 @@
 //! A map's texels as pages of whole numbers.
 //!
-//! A page is one real coefficient of all texels of a level, an image of 8- or 16-bit unsigned numbers: neighbouring nodes see
-//! nearly the same skyline, so that the differences that TIFF's horizontal predictor leaves are small and deflate packs them.
-//! A half float becomes a whole number that keeps its order:
-//!
-//! ```text
-//! i = bits as a two's complement number;  x = i where i ≥ 0, i xor 0x7fff where i < 0      (its own inverse)
-//! page value = x − least x of the page
-//! ```
+//! A page is one of the [`super::numbers`] of all texels of a level, less the least of them, as an image of 8- or 16-bit unsigned
+//! numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal predictor leaves are
+//! small and deflate packs them.
 //!
 //! The last page holds the codes of [`super::bound`].
 //!
@@ -25,7 +20,9 @@ use tiff::encoder::{TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use super::bound::Bounds;
-use super::pack::{Encoding, HorizonMap, TEXEL_COEFFICIENTS, Texels};
+use super::error::TileErrors;
+use super::numbers::{Number, numbers};
+use super::pack::{Encoding, Family, Field, HorizonMap, Page as Layout, Texels};
 
 /// Rows of a page that a reader unpacks at once.
 const ROWS_PER_STRIP: u32 = 128;
@@ -35,7 +32,7 @@ const BOUND: &str = "bound";
 /// What a page holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PageHeader {
-    /// `re k`, `im k` or `bound`.
+    /// That of [`super::numbers::Name`], or `bound`.
     pub name: String,
     /// Nodes per texel side.
     pub scale: usize,
@@ -43,6 +40,9 @@ pub struct PageHeader {
     pub rows: usize,
     /// To be added to the values in the file.
     pub least: i32,
+    /// What the numbers stand for, where they are no half floats.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<Field>,
 }
 
 /// One plane of whole numbers, rows up the map.
@@ -54,14 +54,24 @@ pub struct Page {
 }
 
 impl Page {
-    fn of(name: String, scale: usize, columns: usize, numbers: &[i32]) -> Self {
+    fn of(name: String, scale: usize, columns: usize, field: Option<Field>, numbers: &[i32]) -> Self {
         let least = numbers.iter().copied().min().unwrap_or(0);
-        let header = PageHeader { name, scale, columns, rows: numbers.len() / columns, least };
+        let header = PageHeader { name, scale, columns, rows: numbers.len() / columns, least, field };
         Self { header, values: numbers.iter().map(|number| (number - least) as u16).collect() }
     }
 
     fn numbers(&self) -> impl Iterator<Item = i32> {
-        self.values.iter().map(|value| i32::from(*value) + self.header.least)
+        self.values.iter().map(|value| i32::from(*value).saturating_add(self.header.least))
+    }
+
+    fn gdal_metadata(&self) -> Option<String> {
+        let Field { step_rad, offset_rad, .. } = self.header.field?;
+        let (scale, step) = (f64::from(step_rad), f64::from(step_rad) * f64::from(self.header.least));
+        let offset = f64::from(offset_rad) + step;
+        Some(format!(
+            "<GDALMetadata><Item name=\"SCALE\" sample=\"0\" role=\"scale\">{scale}</Item>\
+             <Item name=\"OFFSET\" sample=\"0\" role=\"offset\">{offset}</Item></GDALMetadata>"
+        ))
     }
 
     /// Writes the page's rows down the map, after the tags that `describe` adds.
@@ -90,6 +100,9 @@ impl Page {
         let mut page = file.new_image::<C>(self.header.columns as u32, self.header.rows as u32)?;
         page.rows_per_strip(ROWS_PER_STRIP)?;
         page.encoder().write_tag(Tag::Unknown(PAGE_NAME), self.header.name.as_str())?;
+        if let Some(metadata) = self.gdal_metadata() {
+            page.encoder().write_tag(Tag::Unknown(GDAL_METADATA), metadata.as_str())?;
+        }
         describe(page.encoder())?;
         page.write_data(values)
     }
@@ -97,6 +110,8 @@ impl Page {
 
 /// TIFF 6.0, section 12.
 const PAGE_NAME: u16 = 285;
+/// GDAL's own tag, which makes radians of a page's numbers.
+const GDAL_METADATA: u16 = 42112;
 
 /// Values of the page that a reader stands at, rows up the map; `None` where it holds no numbers of 8 or 16 bits.
 pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> TiffResult<Option<Vec<u16>>> {
@@ -110,82 +125,68 @@ pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> Tif
 
 /// The pages of a map in their order.
 pub fn pages(map: &HorizonMap) -> Vec<Page> {
-    let mut pages = Vec::new();
-    for (group, (level, scale)) in map.levels.iter().zip(map.encoding.scales()).enumerate() {
-        for field in 0..2 * TEXEL_COEFFICIENTS {
-            let numbers: Vec<i32> = level.texels.iter().map(|texel| number(texel, field)).collect();
-            pages.push(Page::of(name(group, field), scale, level.columns, &numbers));
-        }
-    }
+    let page = |number: &Number| {
+        let level = &map.levels[number.level];
+        let texels = level.words.chunks(level.words_per_texel);
+        let whole: Vec<i32> = texels.map(|texel| number.get(texel)).collect();
+        Page::of(number.name.to_string(), number.scale, level.columns, number.field(), &whole)
+    };
+    let mut pages: Vec<Page> = numbers(map.encoding, &map.fields).iter().map(page).collect();
     let codes: Vec<i32> = map.bounds.codes.iter().map(|code| i32::from(*code)).collect();
-    pages.push(Page::of(BOUND.into(), 1, map.columns, &codes));
+    pages.push(Page::of(BOUND.into(), 1, map.columns, None, &codes));
     pages
 }
 
-/// The texels and bounds of pages; `None` where they are not those of a map of so many nodes.
-pub fn unpages(pages: &[Page], encoding: Encoding, columns: usize, rows: usize) -> Option<(Vec<Texels>, Bounds)> {
-    let fields = 2 * TEXEL_COEFFICIENTS;
+/// The map of pages; `None` where they are not those of an encoding and of so many nodes.
+pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, errors: TileErrors) -> Option<HorizonMap> {
     let (bound, coefficients) = pages.split_last()?;
-    let mut levels = Vec::new();
-    for (group, scale) in encoding.scales().into_iter().enumerate() {
-        let mut level = Texels::empty(columns, rows, scale);
-        for field in 0..fields {
-            let page = coefficients.get(group * fields + field)?;
-            if page.header.name != name(group, field) || page.values.len() != level.texels.len() {
-                return None;
-            }
-            level.texels.iter_mut().zip(page.numbers()).for_each(|(texel, number)| set(texel, field, number));
-        }
-        levels.push(level);
-    }
     let codes: Option<Vec<u8>> = bound.numbers().map(|code| u8::try_from(code).ok()).collect();
     let codes = codes.filter(|codes| codes.len() == columns * rows && bound.header.name == BOUND)?;
-    Some((levels, Bounds { columns, codes }))
-}
-
-fn name(group: usize, field: usize) -> String {
-    format!("{} {}", ["re", "im"][field % 2], group * TEXEL_COEFFICIENTS + field / 2)
-}
-
-/// A half float of a texel as a number that keeps its order.
-fn number(texel: &[u32; 4], field: usize) -> i32 {
-    ordered((texel[field / 2] >> (16 * (field % 2))) as u16 as i16)
-}
-
-fn set(texel: &mut [u32; 4], field: usize, number: i32) {
-    texel[field / 2] |= u32::from(ordered(number as i16) as i16 as u16) << (16 * (field % 2));
-}
-
-/// Sign and magnitude to two's complement, and back.
-fn ordered(bits: i16) -> i32 {
-    i32::from(if bits < 0 { bits ^ i16::MAX } else { bits })
+    let layouts = encoding.pages();
+    let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
+    let fields_of = |layout: &Layout| {
+        let of_scale = coefficients.iter().filter(|page| page.header.scale == layout.scale);
+        of_scale.map(|page| page.header.field).collect::<Option<Vec<Field>>>()
+    };
+    let fields = match encoding.family() {
+        Family::Fields => layouts.iter().map(fields_of).collect::<Option<_>>()?,
+        Family::Halves | Family::Samples => Vec::new(),
+    };
+    let bounds = Bounds { columns, codes };
+    let mut map = HorizonMap { encoding, columns, rows, levels, fields, errors, bounds };
+    if !map.has_fields() {
+        return None;
+    }
+    let numbers = numbers(encoding, &map.fields);
+    if numbers.len() != coefficients.len() {
+        return None;
+    }
+    for (number, page) in numbers.iter().zip(coefficients) {
+        let level = &mut map.levels[number.level];
+        let texels = level.words.chunks_mut(level.words_per_texel);
+        if page.header.name != number.name.to_string() || page.values.len() != texels.len() {
+            return None;
+        }
+        texels.zip(page.numbers()).for_each(|(texel, whole)| number.put(texel, whole));
+    }
+    Some(map)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::horizon::pack::tests::noise;
-    use half::f16;
 
     #[test]
-    fn numbers_keep_the_order_of_half_floats_and_give_them_back() {
-        let finite = |bits: &u16| f16::from_bits(*bits).is_finite();
-        for bits in (0..=u16::MAX).filter(finite) {
-            assert_eq!(ordered(ordered(bits as i16) as i16) as i16 as u16, bits);
+    fn pages_give_back_the_map_they_were_made_of() {
+        for encoding in Encoding::ALL {
+            let noise = noise(encoding, 19, 10);
+            let pages = pages(&noise);
+            assert!(map(&pages, encoding, 19, 10, noise.errors).unwrap() == noise, "{encoding}");
+            assert_eq!(map(&pages[1..], encoding, 19, 10, noise.errors), None);
+            assert_eq!(map(&pages, encoding, 20, 10, noise.errors), None);
         }
-        let mut halves: Vec<u16> = (0..=u16::MAX).filter(finite).collect();
-        halves.sort_by_key(|bits| ordered(*bits as i16));
-        assert!(halves.is_sorted_by_key(|bits| f16::from_bits(*bits).to_f32()));
-    }
-
-    #[test]
-    fn pages_give_back_the_texels_they_were_made_of() {
-        for encoding in [Encoding::Fm16, Encoding::F16] {
-            let map = noise(encoding, 19, 10);
-            let (levels, bounds) = unpages(&pages(&map), encoding, 19, 10).unwrap();
-            assert!(levels == map.levels && bounds == map.bounds);
-            assert_eq!(unpages(&pages(&map)[1..], encoding, 19, 10), None);
-            assert_eq!(unpages(&pages(&map), encoding, 20, 10), None);
-        }
+        let pages = pages(&noise(Encoding::F16, 19, 10));
+        assert_eq!(map(&pages, Encoding::Fm16, 19, 10, TileErrors::default()), None);
     }
 }

@@ -1,16 +1,12 @@
 //! Horizon tiles on disk.
 //!
-//! A tile is a TIFF that GDAL and Python open. Page `l` holds coefficients `4l … 4l+3` as eight 16-bit IEEE
-//! floats per pixel, `Re X, Im X` of each in turn ([`super::pack`]), deflated. The pages are ordinary images
-//! (`NewSubfileType` 0) and not overviews: they hold *other* coefficients, at the scale that the header states.
-//! Rows run from the top of the map down, so the first row on disk is the last one of the grid; where the number of rows is no
-//! multiple of a page's scale the partial box is the first row on disk.
-//!
-//! `ImageDescription` of page 0 is a JSON [`Header`] with all that a decoder needs. Where the map is gnomonic with
-//! north up, page 0 also carries GeoTIFF keys.
+//! A tile is a TIFF that GDAL and Python open: [`super::pages`] of whole numbers and a JSON [`Header`] with all that a
+//! decoder needs. The specification of the file, from which `tests/vectors/decode.py` was written, stands below.
 //!
 //! A tile is found by its [`Key`]: the SHA-256 of the heights, the map, the settings, the encoding and the format
 //! version. Files are written under another name and renamed, so that a tile is whole or absent.
+//!
+#![doc = include_str!("FORMAT.md")]
 
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter, Write as _};
@@ -26,7 +22,7 @@ use tiff::tags::Tag;
 use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
-use super::pack::{Encoding, HorizonMap};
+use super::pack::{Encoding, HorizonMap, encoding};
 use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
@@ -56,7 +52,7 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(numbers.as_flattened()));
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
-        hash.update([encoding as u8]);
+        hash.update(encoding.name());
         if let Some(Band { towards, reach_rad }) = settings.band {
             hash.update(b"band");
             hash.update(cast_slice::<f64, u8>(&[towards[0], towards[1], towards[2], reach_rad]));
@@ -89,6 +85,7 @@ pub struct Header {
     pub format_version: u32,
     pub generator: String,
     pub key: Key,
+    #[serde(with = "encoding::by_name")]
     pub encoding: Encoding,
     /// `h(A) = Re Σ Xₖ e^{ikA}`: one-sided, radians.
     pub series: String,
@@ -96,10 +93,9 @@ pub struct Header {
     pub elevation: String,
     pub pixel: String,
     pub body: BodyHeader,
-    /// Pixels of the full resolution, and the pages' scales against it.
+    /// Nodes of the grid.
     pub columns: usize,
     pub rows: usize,
-    pub scales: [usize; 4],
     pub settings: Settings,
     pub map: MapHeader,
     /// The swept level, then the coarser ones that only occlude.
@@ -164,7 +160,9 @@ impl Header {
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
             key: request.key(),
             encoding: map.encoding,
-            series: "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3".into(),
+            series: "h(A) = sum over pages of weight * value; weight: re k, a k: cos kA; im k: -sin kA; b k: sin kA; h i of n: \
+                     max(0, 1 - |A n/2pi - i|)"
+                .into(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
             elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
             pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
@@ -175,7 +173,6 @@ impl Header {
             },
             columns: map.columns,
             rows: map.rows,
-            scales: map.encoding.scales(),
             settings,
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
@@ -249,7 +246,9 @@ fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff
             if index == 0 {
                 tags.write_tag(Tag::ImageDescription, description.as_str())?;
             }
-            georeference::write_tags(tags, &header, page.header.scale, page.header.rows)
+            // The pictures that people look at: the mean, or the first sample, and the bound.
+            let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == pages.len());
+            if is_shown { georeference::write_tags(tags, &header) } else { Ok(()) }
         })?;
     }
     Ok(())
@@ -275,10 +274,9 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
         let values = values.ok_or_else(|| Error::header(path, format!("page {index} does not hold whole numbers")))?;
         pages.push(Page { header: page.clone(), values });
     }
-    let Header { encoding, columns, rows, errors, .. } = header;
-    let unpaged = pages::unpages(&pages, encoding, columns, rows);
-    let (levels, bounds) = unpaged.ok_or_else(|| Error::header(path, "its pages are not those of its encoding"))?;
-    Ok((header, HorizonMap { encoding, columns, rows, levels, errors, bounds }))
+    let map = pages::map(&pages, header.encoding, header.columns, header.rows, header.errors);
+    let map = map.ok_or_else(|| Error::header(path, format!("its pages are not those of {}", header.encoding)))?;
+    Ok((header, map))
 }
 
 fn parse(path: &Path, description: &str) -> Result<Header, Error> {

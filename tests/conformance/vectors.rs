@@ -83,10 +83,11 @@ fn a_stranger_reads_the_same_skylines() {
 #[test]
 #[ignore = "writes tests/vectors"]
 fn make_vectors() {
-    let encodings = [Encoding::Fm16, Encoding::F16];
+    let encodings = [Encoding::Fm16, Encoding::F8, Encoding::Raw8, Encoding::W16];
     let (body, face) = (Body::moon(), bumps());
     let tiles = tempfile::tempdir().unwrap();
     for encoding in encodings {
+        // Twice the 31st harmonic and more.
         let settings = Settings { azimuths: 64, ..Settings::default() };
         let request = Request { body: &body, face: &face, level: 0, settings, encoding };
         let map = build(&request, tiles.path(), &|_, _| ()).unwrap();
