@@ -95,7 +95,7 @@ impl Bounds {
 pub struct BoundStatistics {
     /// Azimuths at which every node was compared with the sweep.
     pub azimuths: usize,
-    /// From the largest error there to the bound.
+    /// From the largest error there to the bound; 0 where no node was measured and no bound is known.
     pub factor: f64,
     /// RMS of the measured samples' errors as shares of their nodes' bounds: times a bound, a standard deviation.
     pub rms_share: f64,
@@ -133,7 +133,7 @@ pub fn bounds(
     let code = |index: usize| {
         let (column, row) = (index % map.columns, index / map.columns);
         let is_gap = level.gap[level.index(column + level.margin, row + level.margin)];
-        if is_gap { UNKNOWN } else { encode(factor * at([column, row])) }
+        if is_gap || factor == 0.0 { UNKNOWN } else { encode(factor * at([column, row])) }
     };
     let bounds = Bounds { columns: map.columns, codes: (0..largest_rad.len()).map(code).collect() };
     let [nodes_beyond, samples_beyond] = BoundStatistics::beyond(&bounds, nodes, errors_rad);
@@ -156,12 +156,11 @@ fn probed(azimuths: usize) -> impl Iterator<Item = usize> {
     (step / 2..azimuths).step_by(step)
 }
 
-/// The k-th largest ratio, in the header's digits and not below it.
+/// The k-th largest ratio, in the header's digits and not below it; 0 where no node was measured and nothing is known.
 fn factor(mut ratios: Vec<f64>) -> f64 {
     ratios.sort_by(|a, b| b.total_cmp(a));
     let k = rank(ratios.len());
-    // Without a measured node nothing is known.
-    ratios.get(k - 1).map_or(f64::INFINITY, |ratio| (ratio * 1e3).ceil() / 1e3)
+    ratios.get(k - 1).map_or(0.0, |ratio| (ratio * 1e3).ceil() / 1e3)
 }
 
 /// Which of so many ratios the factor is: the first, the second, …
@@ -239,7 +238,7 @@ mod tests {
     fn one_node_in_twenty_may_lie_beyond() {
         let ratios = |count: u32| (1..=count).map(f64::from).collect::<Vec<_>>();
         assert_eq!((factor(ratios(64)), factor(ratios(18)), factor(ratios(39))), (62.0, 18.0, 38.0));
-        assert_eq!(factor(Vec::new()), f64::INFINITY);
+        assert_eq!(factor(Vec::new()), 0.0);
     }
 
     #[test]

@@ -183,10 +183,12 @@ mod tests {
             let noise = noise(encoding, 19, 10);
             let pages = pages(&noise);
             assert!(map(&pages, encoding, 19, 10, noise.errors).unwrap() == noise, "{encoding}");
-            assert_eq!(map(&pages[1..], encoding, 19, 10, noise.errors), None);
-            assert_eq!(map(&pages, encoding, 20, 10, noise.errors), None);
+            // Which fields a pyramid has, its pages alone say.
+            let missing = map(&pages[1..], encoding, 19, 10, noise.errors);
+            assert!(missing.is_none() || encoding.family() == Family::Fields, "{encoding}");
+            assert!(map(&pages, encoding, 20, 10, noise.errors).is_none(), "{encoding}");
         }
         let pages = pages(&noise(Encoding::F16, 19, 10));
-        assert_eq!(map(&pages, Encoding::Fm16, 19, 10, TileErrors::default()), None);
+        assert!(map(&pages, Encoding::Fm16, 19, 10, TileErrors::default()).is_none());
     }
 }
