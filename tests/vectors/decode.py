@@ -14,7 +14,7 @@ import struct
 import sys
 import zlib
 
-TOLERANCE_RAD = 1e-9
+TOLERANCE_RAD = 1e-7
 
 
 def directories(data):
