@@ -154,12 +154,15 @@ pub fn scene(
         observer_height_m: scenario.horizon.observer_height_m,
         ..Default::default()
     };
-    let maps = |settings: horizon::Settings| {
-        let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
-        let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+    let mut tiles = Vec::new();
+    let mut maps = |settings: horizon::Settings| {
+        let (folder, encoding) = (cache.join("horizon"), scenario.horizon.encoding);
         let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
-        let silent = |_: &ground::Tile| Ok::<_, Error>(());
-        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)
+        let listed = |tile: &ground::Tile| {
+            tiles.push(tile.input());
+            Ok::<_, Error>(())
+        };
+        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, listed)
     };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
@@ -167,6 +170,7 @@ pub fn scene(
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
     };
+    ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
         shadows,
@@ -190,7 +194,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
     if let Some(gpu) = &gpu {
-        let horizons = scenario.shadows.need_maps();
+        let horizons = scenario.shadows.need_maps().then_some(scenario.horizon.encoding);
         DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
     }
     seconds.terrain = lap(start);

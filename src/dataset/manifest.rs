@@ -28,6 +28,7 @@ pub struct Input {
     /// `dem`, `horizon`, `kernel`, `albedo`, `trajectory`.
     pub role: String,
     pub name: String,
+    /// Of the file; of a horizon tile its key, the hash of all that shapes it.
     pub sha256: String,
 }
 

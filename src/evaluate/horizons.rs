@@ -201,7 +201,7 @@ fn measure(scene: &Scene, options: &Options, tables: &mut Tables, progress: &dyn
     for encoding in tiles::ENCODINGS {
         let (profiles, row) = tiles::tile(scene, &settings, encoding, &pixels, progress)?;
         tables.tiles.rows.push(row);
-        trials.push((tiles::label(encoding), profiles));
+        trials.push((encoding.name().to_owned(), profiles));
     }
     for (label, tried) in &trials {
         tables.errors.rows.push(profiles::row(scene, label, &errors(&truth, tried)));

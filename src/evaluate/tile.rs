@@ -9,6 +9,10 @@
 //! |m₁ − m₂| ≤ 5 √(s₁²/n₁ + s₂²/n₂)
 //! ```
 //!
+//! The measured sample lies beyond its bounds ([`crate::horizon::bound`]) as often as the header counts, to the sample. Of the drawn one, nodes may lie beyond
+//! theirs as often as chance allows where a share `k/(n₁ + 1)` is expected to: `n₂ p + 5 √(n₂ p (1 − p) (1 + n₂/(n₁ + 1)))`, the last factor
+//! since the share itself is known from `n₁` nodes only.
+//!
 //! In a tile with a band of elevations, decoded and traced skylines beyond it count as its ends, as they do in the header.
 //!
 //! Five deviations, since errors crowd at cliffs: their squares are far from a normal distribution.
@@ -25,7 +29,7 @@ use crate::horizon::build::MEASURED_PIXELS;
 use crate::horizon::measure::Sample;
 use crate::horizon::store::Header;
 use crate::horizon::trace::Tracer;
-use crate::horizon::{ErrorStatistics, HorizonMap};
+use crate::horizon::{BoundStatistics, ErrorStatistics, HorizonMap, TileErrors, bound};
 use crate::terrain::Face;
 
 /// The header keeps four digits; a rounding apart counts as the same.
@@ -45,21 +49,44 @@ pub struct Verification {
     pub seed: u64,
     /// How far the two samples' mean squares lie apart, in standard deviations of their difference.
     pub deviations: f64,
-    stated: ErrorStatistics,
+    /// Of those pixels, and of their samples, so many lie beyond their bound.
+    pub repeated_beyond: [usize; 2],
+    pub drawn_beyond: [usize; 2],
+    stated: TileErrors,
 }
 
 impl Verification {
+    /// The first stated figure that the builder's own pixels do not have: its name, what is stated, what is found.
+    pub fn contradiction(&self) -> Option<(&'static str, f64, f64)> {
+        let figures = |e: &ErrorStatistics| {
+            let angles = [e.rms_rad, e.p50_rad, e.p95_rad, e.p99_rad, e.max_rad];
+            [[e.samples as f64].as_slice(), &angles.map(f64::to_degrees)].concat()
+        };
+        let (stated, bound) = (&self.stated, &self.stated.bound);
+        let names =
+            ["samples", "rms", "p50", "p95", "p99", "max", "nodes beyond their bound", "samples beyond their bound"];
+        let stated = [figures(&stated.decoded), vec![bound.nodes_beyond as f64, bound.samples_beyond as f64]].concat();
+        let found = [figures(&self.repeated), self.repeated_beyond.map(|count| count as f64).to_vec()].concat();
+        let pairs = names.into_iter().zip(stated).zip(found).map(|((name, stated), found)| (name, stated, found));
+        pairs.into_iter().find(|(_, stated, found)| (found - stated).abs() > HEADER_DIGITS * stated.abs())
+    }
+
     /// Whether the stated figures are those found on the builder's own pixels.
     pub fn repeats(&self) -> bool {
-        let figures = |e: &ErrorStatistics| [e.rms_rad, e.p50_rad, e.p95_rad, e.p99_rad, e.max_rad];
-        let same = |(found, stated): (f64, f64)| (found - stated).abs() <= HEADER_DIGITS * stated.abs();
-        self.repeated.samples == self.stated.samples
-            && figures(&self.repeated).into_iter().zip(figures(&self.stated)).all(same)
+        self.contradiction().is_none()
     }
 
     /// Whether other pixels err alike.
     pub fn agrees(&self) -> bool {
-        self.deviations <= DEVIATIONS
+        self.deviations <= DEVIATIONS && self.drawn_beyond[0] <= self.allowed_beyond()
+    }
+
+    /// Drawn pixels that may lie beyond their bounds.
+    pub fn allowed_beyond(&self) -> usize {
+        let (measured, drawn) = (self.repeated_pixels as f64, self.drawn_pixels as f64);
+        let share = bound::share_beyond(self.repeated_pixels);
+        let variance = drawn * share * (1.0 - share) * (1.0 + drawn / (measured + 1.0));
+        (drawn * share + DEVIATIONS * variance.sqrt()) as usize
     }
 }
 
@@ -94,7 +121,9 @@ pub fn verify(face: &Face, level: usize, header: &Header, map: &HorizonMap, pixe
         drawn_pixels: drawn.len(),
         seed,
         deviations: deviations(&mean_squares(&repeated_rad), &mean_squares(&drawn_rad)),
-        stated: header.errors.decoded,
+        repeated_beyond: BoundStatistics::beyond(&map.bounds, &own, &repeated_rad),
+        drawn_beyond: BoundStatistics::beyond(&map.bounds, &drawn, &drawn_rad),
+        stated: header.errors,
     }
 }
 

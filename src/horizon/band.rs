@@ -106,6 +106,12 @@ impl Ends {
         Self { width, ends_rad: (0..width * height).map(at).collect() }
     }
 
+    /// An elevation at a node, counted along the planes' rows.
+    pub fn clamped(&self, node: usize, elevation_rad: f32) -> f32 {
+        let [low_rad, high_rad] = self.ends_rad[node];
+        elevation_rad.max(low_rad).min(high_rad)
+    }
+
     /// Clamps a plane of the same orientation.
     pub fn clamp(&self, plane: &mut Plane) {
         let rows = plane.elevations_rad.chunks_mut(plane.stride);

@@ -12,13 +12,15 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::band::Ends;
+use super::bound;
 use super::checkpoint::Checkpoint;
-use super::error::{Error, TileErrors};
+use super::error::Error;
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
 use super::method::Search;
 use super::pack::HorizonMap;
 use super::request::Request;
+use super::settings::Settings;
 use super::store::{self, Header};
 use super::sweep::grid::Major;
 
@@ -121,12 +123,7 @@ impl<'a> Builder<'a> {
             self.search = Some((major, Search::new(face, *level, major, settings), ends));
         }
         let Some((_, search, ends)) = &self.search else { return };
-        let plane = |&azimuth: &usize| {
-            let elevations_rad = search.elevations_rad(settings.direction(azimuth));
-            let mut plane = Plane { azimuth, stride: search.receivers().stride, elevations_rad };
-            ends.iter().for_each(|ends| ends.clamp(&mut plane));
-            plane
-        };
+        let plane = |&azimuth: &usize| plane(search, ends.as_ref(), settings, azimuth);
         let planes: Vec<_> = block.par_iter().map(plane).collect();
         self.state.sums.add(&planes);
         planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
@@ -143,15 +140,23 @@ impl<'a> Builder<'a> {
         self.search = None;
         let sums = &mut self.state.sums;
         sums.transpose();
-        let (columns, rows) = (sums.columns(), sums.rows());
-        let errors = TileErrors::default();
-        let levels = sums.texels();
-        let Request { face, level, settings, encoding, .. } = &self.request;
-        let mut map = HorizonMap { encoding: *encoding, columns, rows, levels, errors };
-        map.errors = measure(face, *level, settings, &self.state.sample, &map);
+        let Request { face, level, settings, .. } = &self.request;
+        let mut map = sums.map();
+        let errors = measure(face, *level, settings, &self.state.sample, &map);
+        let (bounds, statistics) = bound::bounds(&self.request, &map, &self.state.sample.pixels, &errors.decoded_rad);
+        map.errors = errors.statistics(statistics);
+        map.bounds = bounds;
         let header = Header::new(&self.request, &map);
         store::write(&self.path, &header, &map)?;
         self.checkpoint.remove();
         Ok(map)
     }
+}
+
+/// The plane of an azimuth, moved into the band that matters.
+pub(super) fn plane(search: &Search, ends: Option<&Ends>, settings: &Settings, azimuth: usize) -> Plane {
+    let elevations_rad = search.elevations_rad(settings.direction(azimuth));
+    let mut plane = Plane { azimuth, stride: search.receivers().stride, elevations_rad };
+    ends.iter().for_each(|ends| ends.clamp(&mut plane));
+    plane
 }

@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::bound::BoundStatistics;
+use super::pack::Encoding;
+
 /// Why a tile cannot be made, written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    #[error("azimuths = {got} is too few for {harmonics} harmonics, at least {least} are needed")]
-    TooFewAzimuths { got: usize, harmonics: usize, least: usize },
+    #[error("azimuths = {got} is too few for {encoding}, at least {least} are needed")]
+    TooFewAzimuths { got: usize, encoding: Encoding, least: usize },
     #[error("observer_height_m = {got} is outside [0, 1e6] m")]
     ObserverHeight { got: f64 },
     #[error("search_m = {got} is not a positive distance in m")]
@@ -93,4 +96,5 @@ pub struct TileErrors {
     pub swept: ErrorStatistics,
     /// Of the series decoded from the tile.
     pub decoded: ErrorStatistics,
+    pub bound: BoundStatistics,
 }

@@ -1,24 +1,35 @@
 //! Swept planes projected onto the coefficients of an encoding, azimuth by azimuth.
 //!
-//! A plane of elevations is needed only until its azimuth has been added to every coefficient. Each group of four
-//! coefficients is accumulated at its own resolution: box means and sums over azimuths commute. Every
-//! texel adds its azimuths in the order given, so that the sums do not depend on the number of threads.
+//! A plane of elevations is needed only until its azimuth has been added to every number that an encoding keeps: real
+//! coefficients of a series, or sampled elevations. Each group of them is accumulated at its own resolution: box means
+//! and sums over azimuths commute. Every texel adds its azimuths in the order given, so that the sums do not depend on the
+//! number of threads.
+//!
+//! # Assumptions
+//! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
+
+pub mod water;
 
 use rayon::prelude::*;
 
-use super::pack::{Encoding, TEXEL_COEFFICIENTS, Texels, pack};
+use super::bound::Bounds;
+use super::error::TileErrors;
+use super::pack::half::TEXEL_COEFFICIENTS;
+use super::pack::{Encoding, Family, HorizonMap, Texels, pack};
 use super::series::turned;
+use super::sweep::grid::Major;
 use super::sweep::wide::wide;
 
-/// Real numbers per texel.
-const REALS: usize = 2 * TEXEL_COEFFICIENTS;
 /// Pixel rows that a task takes: the coarsest texel's.
 const STRIP: usize = 8;
 
-/// Sums of one group of coefficients, `[texel row][real][texel column]`.
+/// Sums of one group of numbers, `[texel row][real][texel column]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
     pub scale: usize,
+    /// The encoding's numbers `first` to before `first + reals`.
+    pub first: usize,
+    pub reals: usize,
     pub rows: usize,
     pub columns: usize,
     pub sums: Vec<f32>,
@@ -28,20 +39,26 @@ impl Group {
     fn transposed(&self) -> Self {
         let mut sums = vec![0.0; self.sums.len()];
         for row in 0..self.rows {
-            for real in 0..REALS {
+            for real in 0..self.reals {
                 for column in 0..self.columns {
-                    sums[(column * REALS + real) * self.rows + row] =
-                        self.sums[(row * REALS + real) * self.columns + column];
+                    sums[(column * self.reals + real) * self.rows + row] =
+                        self.sums[(row * self.reals + real) * self.columns + column];
                 }
             }
         }
-        Self { scale: self.scale, rows: self.columns, columns: self.rows, sums }
+        Self { rows: self.columns, columns: self.rows, sums, ..*self }
+    }
+
+    /// One number of a row of texels.
+    pub fn row(&self, row: usize, real: usize) -> &[f32] {
+        &self.sums[(row * self.reals + real) * self.columns..][..self.columns]
     }
 }
 
-/// The coefficients of all pixels while azimuths are added.
+/// The numbers of all pixels while azimuths are added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accumulator {
+    encoding: Encoding,
     azimuths: usize,
     columns: usize,
     rows: usize,
@@ -57,13 +74,32 @@ pub struct Plane {
     pub elevations_rad: Vec<f32>,
 }
 
+impl Plane {
+    /// The elevation at a node of the map.
+    pub fn at(&self, major: Major, column: usize, row: usize) -> f32 {
+        match major {
+            Major::Row => self.elevations_rad[row * self.stride + column],
+            Major::Column => self.elevations_rad[column * self.stride + row],
+        }
+    }
+}
+
 impl Accumulator {
     pub fn new(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
-        let group = |scale: usize| {
+        let group = |scale: usize, first: usize, reals: usize| {
             let (columns, rows) = (columns.div_ceil(scale), rows.div_ceil(scale));
-            Group { scale, rows, columns, sums: vec![0.0; REALS * columns * rows] }
+            Group { scale, first, reals, rows, columns, sums: vec![0.0; reals * columns * rows] }
         };
-        Self { azimuths, columns, rows, groups: encoding.scales().into_iter().map(group).collect() }
+        let texel = 2 * TEXEL_COEFFICIENTS;
+        let groups = match encoding.family() {
+            Family::Halves => {
+                let pages = encoding.pages().into_iter().enumerate();
+                pages.map(|(index, page)| group(page.scale, index * texel, texel)).collect()
+            }
+            Family::Samples => vec![group(1, 0, encoding.samples())],
+            Family::Fields => vec![group(1, 0, 2 * (encoding.harmonics() + 1))],
+        };
+        Self { encoding, azimuths, columns, rows, groups }
     }
 
     pub fn columns(&self) -> usize {
@@ -76,22 +112,23 @@ impl Accumulator {
 
     /// Adds planes in their order.
     pub fn add(&mut self, planes: &[Plane]) {
-        let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);
-        for (index, group) in self.groups.iter_mut().enumerate() {
-            let weights: Vec<_> = planes.iter().map(|plane| weights(index, plane.azimuth, azimuths)).collect();
-            let (scale, width) = (group.scale, group.columns);
-            let strip = REALS * width * STRIP / scale;
+        let (columns, rows) = (self.columns, self.rows);
+        let all: Vec<_> = planes.iter().map(|plane| weights(self.encoding, plane.azimuth, self.azimuths)).collect();
+        for group in &mut self.groups {
+            let (scale, width, reals) = (group.scale, group.columns, group.reals);
+            let numbers = group.first..group.first + reals;
+            let strip = reals * width * STRIP / scale;
             group.sums.par_chunks_mut(strip).enumerate().for_each(|(i, sums)| {
                 let mut means = vec![0.0; width];
-                for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
+                for (row, sums) in sums.chunks_mut(reals * width).enumerate() {
                     let first = i * STRIP + row * scale;
                     let last = (first + scale).min(rows);
-                    for (plane, weights) in planes.iter().zip(&weights) {
+                    for (plane, weights) in planes.iter().zip(&all) {
                         wide(
                             #[inline(always)]
                             || {
                                 box_means(plane, columns, first..last, scale, &mut means);
-                                add_scaled(&means, weights, sums);
+                                add_scaled(&means, &weights[numbers.clone()], sums);
                             },
                         );
                     }
@@ -106,32 +143,51 @@ impl Accumulator {
         (self.columns, self.rows) = (self.rows, self.columns);
     }
 
-    /// The sums as texels.
-    pub fn texels(&self) -> Vec<Texels> {
-        let level = |group: &Group| {
-            let mut level = Texels::empty(self.columns, self.rows, group.scale);
-            for (i, texel) in level.texels.iter_mut().enumerate() {
+    /// The sums as a map, its errors not yet measured.
+    pub fn map(&self) -> HorizonMap {
+        let (levels, fields) = match self.encoding.family() {
+            Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
+            Family::Samples => (self.halves(pack), Vec::new()),
+            Family::Fields => water::pyramid(self.encoding, &self.groups[0]),
+        };
+        let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
+        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
+        HorizonMap { encoding, columns, rows, levels, fields, errors, bounds }
+    }
+
+    /// A word from every two sums.
+    fn halves(&self, word: impl Fn([f32; 2]) -> u32) -> Vec<Texels> {
+        let level = |(group, page): (&Group, _)| {
+            let mut level = Texels::empty(self.columns, self.rows, page);
+            for (i, texel) in level.words.chunks_mut(page.words).enumerate() {
                 let (row, column) = (i / group.columns, i % group.columns);
-                let real = |real: usize| group.sums[(row * REALS + real) * group.columns + column];
-                *texel = std::array::from_fn(|slot| pack([real(2 * slot), -real(2 * slot + 1)]));
+                for (slot, packed) in texel.iter_mut().enumerate() {
+                    *packed = word([0, 1].map(|half| group.row(row, 2 * slot + half)[column]));
+                }
             }
             level
         };
-        self.groups.iter().map(level).collect()
+        self.groups.iter().zip(self.encoding.pages()).map(level).collect()
     }
 }
 
-/// What one azimuth adds to `aₖ` and `bₖ` of a group.
-fn weights(group: usize, azimuth: usize, azimuths: usize) -> [f32; REALS] {
-    let mut weights = [0.0; REALS];
-    for slot in 0..TEXEL_COEFFICIENTS {
-        let k = group * TEXEL_COEFFICIENTS + slot;
+/// What one azimuth adds to each of an encoding's numbers: `a₀, b₀ = 0, a₁, b₁, …`, or the samples.
+fn weights(encoding: Encoding, azimuth: usize, azimuths: usize) -> Vec<f32> {
+    let count = encoding.samples();
+    if count > 0 {
+        let weight = |sample: usize| {
+            // In steps of the azimuths swept, the shorter way round.
+            let apart = (sample as f64 * azimuths as f64 / count as f64 - azimuth as f64).abs();
+            (1.0 - apart.min(azimuths as f64 - apart)).max(0.0) as f32
+        };
+        return (0..count).map(weight).collect();
+    }
+    let pair = |k: usize| {
         let (sin, cos) = turned(k, azimuth, azimuths);
         let norm = if k == 0 { 1.0 } else { 2.0 } / azimuths as f64;
-        weights[2 * slot] = (norm * cos) as f32;
-        weights[2 * slot + 1] = (norm * sin) as f32;
-    }
-    weights
+        [norm * cos, norm * sin].map(|weight| weight as f32)
+    };
+    (0..=encoding.harmonics()).flat_map(pair).collect()
 }
 
 /// Means over boxes of pixels, as far as the boxes lie in the plane.
@@ -152,8 +208,11 @@ fn box_means(plane: &Plane, columns: usize, rows: std::ops::Range<usize>, scale:
 }
 
 #[inline(always)]
-fn add_scaled(values: &[f32], weights: &[f32; REALS], sums: &mut [f32]) {
+fn add_scaled(values: &[f32], weights: &[f32], sums: &mut [f32]) {
     for (sums, weight) in sums.chunks_mut(values.len()).zip(weights) {
+        if *weight == 0.0 {
+            continue;
+        }
         for (sum, value) in sums.iter_mut().zip(values) {
             *sum += weight * value;
         }
@@ -163,8 +222,7 @@ fn add_scaled(values: &[f32], weights: &[f32; REALS], sums: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::horizon::error::TileErrors;
-    use crate::horizon::pack::HorizonMap;
+    use crate::horizon::pack::Horizon;
     use crate::horizon::series::Series;
     use glam::DVec2;
 
@@ -183,12 +241,11 @@ mod tests {
         let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
         let planes = planes(columns, rows, 64);
         sums.add(&planes);
-        let map =
-            HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
+        let map = sums.map();
         for (column, row) in [(0, 0), (10, 8), (4, 5)] {
             let profile: Vec<_> = planes.iter().map(|p| f64::from(p.elevations_rad[row * columns + column])).collect();
             let expected = Series::fit(&profile, 15);
-            let got = map.horizon(DVec2::new(column as f64, row as f64));
+            let Horizon::Series(got) = map.horizon(DVec2::new(column as f64, row as f64)) else { panic!("a series") };
             for (a, b) in got.harmonics_rad.iter().flatten().zip(expected.harmonics_rad.iter().flatten()) {
                 // Half floats of 0.1.
                 assert!((a - b).abs() < 3.1e-5, "{a} {b}");
@@ -202,8 +259,9 @@ mod tests {
         sums.add(&planes(19, 10, 40));
         let mut turned = sums.clone();
         turned.transpose();
-        assert_eq!(turned.texels()[2].columns, 3);
-        assert_eq!(turned.texels()[0].texels[5 * 10 + 3], sums.texels()[0].texels[3 * 19 + 5]);
+        let [after, before] = [turned.map(), sums.map()];
+        assert_eq!(after.levels[2].columns, 3);
+        assert_eq!(after.levels[0].texel(3, 5), before.levels[0].texel(5, 3));
         turned.transpose();
         assert!(turned == sums);
     }

@@ -34,7 +34,7 @@ pub fn proj4(radius_m: f64, [latitude_deg, longitude_deg]: [f64; 2]) -> String {
     format!("+proj=gnom +lat_0={latitude_deg} +lon_0={longitude_deg} +R={radius_m} +units=m +no_defs")
 }
 
-/// GeoTIFF tags of a tile's first page; none where PROJ has no word for the map.
+/// GeoTIFF tags of a page at full resolution; none where PROJ has no word for the map.
 pub fn write_tags<W: Write + Seek, K: TiffKind>(page: &mut DirectoryEncoder<W, K>, header: &Header) -> TiffResult<()> {
     let map = &header.map;
     let Some([latitude_deg, longitude_deg]) = map.centre_deg else { return Ok(()) };

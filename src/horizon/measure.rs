@@ -3,6 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::bound::BoundStatistics;
 use super::error::{ErrorStatistics, TileErrors};
 use super::fit::Plane;
 use super::pack::HorizonMap;
@@ -48,9 +49,24 @@ impl Sample {
     }
 }
 
-/// Errors of swept profiles and of the map's decoded series, at the sampled pixels and all azimuths. Where the
-/// settings have a band, elevations beyond it count as its ends.
-pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, map: &HorizonMap) -> TileErrors {
+/// Errors against traced horizons at the sampled pixels, `[pixel][azimuth]`. Where the settings have a band, elevations beyond it
+/// count as its ends.
+#[derive(Debug)]
+pub struct Measured {
+    pub swept_rad: Vec<Vec<f64>>,
+    pub decoded_rad: Vec<Vec<f64>>,
+}
+
+impl Measured {
+    pub fn statistics(&self, bound: BoundStatistics) -> TileErrors {
+        let of = |errors_rad: &[Vec<f64>]| ErrorStatistics::of(errors_rad.iter().flatten().copied());
+        let [swept, decoded] = [&self.swept_rad, &self.decoded_rad].map(|errors_rad| of(errors_rad));
+        TileErrors { pixels: self.decoded_rad.len(), swept, decoded, bound }
+    }
+}
+
+/// Errors of swept profiles and of the map's decoded series.
+pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, map: &HorizonMap) -> Measured {
     let nodes = &face.levels[level];
     let pyramids: Vec<_> = face.levels[level..].iter().map(Pyramid::new).collect();
     let tracer = Tracer::without_finer(face, level, settings).with_pyramids(&pyramids);
@@ -65,12 +81,8 @@ pub fn measure(face: &Face, level: usize, settings: &Settings, sample: &Sample, 
             let decoded_rad = relevant(series.evaluate_towards(direction).0);
             (f64::from(swept[azimuth]) - traced_rad, decoded_rad - traced_rad)
         };
-        (0..settings.azimuths).map(error).collect::<Vec<_>>()
+        (0..settings.azimuths).map(error).unzip()
     };
-    let errors: Vec<_> = sample.pixels.par_iter().enumerate().map(errors).collect();
-    TileErrors {
-        pixels: sample.pixels.len(),
-        swept: ErrorStatistics::of(errors.iter().flatten().map(|error| error.0)),
-        decoded: ErrorStatistics::of(errors.iter().flatten().map(|error| error.1)),
-    }
+    let (swept_rad, decoded_rad) = sample.pixels.par_iter().enumerate().map(errors).unzip();
+    Measured { swept_rad, decoded_rad }
 }

@@ -14,8 +14,10 @@
 //! last level lies the bare sphere, lowered to the feet of an observer who stands below it.
 
 pub mod band;
+pub mod bound;
 pub mod build;
 pub mod checkpoint;
+pub mod decode;
 pub mod error;
 pub mod exact;
 pub mod fit;
@@ -23,7 +25,9 @@ pub mod georeference;
 pub mod inspect;
 pub mod measure;
 pub mod method;
+pub mod numbers;
 pub mod pack;
+pub mod pages;
 pub mod request;
 pub mod series;
 pub mod settings;
@@ -32,14 +36,12 @@ pub mod store;
 pub mod sweep;
 pub mod trace;
 
-/// Function `horizon_elevation`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
-pub const SERIES_WGSL: &str = include_str!("series.wgsl");
-
 pub use band::Band;
+pub use bound::{BoundStatistics, Bounds};
 pub use build::{build, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
 pub use method::Method;
-pub use pack::{Encoding, HorizonMap, Texels};
+pub use pack::{Encoding, Horizon, HorizonMap, Texels};
 pub use request::Request;
 pub use series::Series;
 pub use settings::Settings;

@@ -1,70 +1,44 @@
-//! Series as texels: complex half floats over resolution levels.
+//! Horizons as texels: pages of words, decoded at any point of a map.
 //!
-//! With the series of [`super::series`], a texel holds the coefficients of
+//! | encoding | what a pixel holds | bytes per pixel | of |
+//! |---|---|---|---|
+//! | `fm4 … fm16` | 4 … 16 complex coefficients as half floats, four at each of the resolutions 1, 1/2, 1/4, 1/8 ([`half`]) | 16 … 21.25 | Fritsch et al. (2025) |
+//! | `f4 … f16` | the same at full resolution | 16 … 64 | Fritsch et al. (2025) |
+//! | `raw8 … raw16` | elevations at 8 … 16 azimuths as half floats ([`raw`]) | 16 … 32 | Max (1988) |
+//! | `w11, w16, w21` | 31 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
 //!
-//! ```text
-//! h(A) = Re Σₖ Xₖ e^{ikA} = Σₖ (Re Xₖ cos kA − Im Xₖ sin kA)      X₀ = a₀   Xₖ = aₖ − i bₖ
-//! ```
-//!
-//! which is equation 3 of Fritsch et al. (2025): a one-sided sum, so that for `k ≥ 1` their `Xₖ` is *twice* the
-//! coefficient `1/N Σ h e^{−ikA}` of a discrete Fourier transform. Four coefficients make a texel of `4 × u32`, real part in
-//! the low half, imaginary part in the high one (`Rgba32Uint`).
-//!
-//! | encoding | coefficients 0–3 | 4–7 | 8–11 | 12–15 | bytes per pixel |
-//! |---|---|---|---|---|---|
-//! | `fm16` | 1 | 1/2 | 1/4 | 1/8 | 21.25 |
-//! | `f16` | 1 | 1 | 1 | 1 | 64 |
-//!
-//! A texel at a reduced resolution is the mean over its box of pixels, as far as the box lies in the map. Decoding is bilinear between texel centres, the
-//! first and last texels reaching to the map's edge: texel `i` of scale `s` is centred at grid `(i + ½) s − ½`.
-//!
-//! # Assumptions
-//! A half float keeps 11 bits: a coefficient of 0.23 rad is off by up to 6e-5 rad.
+//! A texel at a reduced resolution stands for its box of pixels, as far as the box lies in the map. Decoding is bilinear
+//! between texel centres, the first and last texels reaching to the map's edge: texel `i` of scale `s` is centred at grid
+//! `(i + ½) s − ½`. All encodings are linear in their words' values, so that interpolation and evaluation commute.
 //!
 //! # References
-//! Fritsch et al. (2025), *Fourier-compressed horizon maps*. Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*.
+//! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, doi:10.2312/hpg.20251171.
+//! Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*, The Visual Computer 4, 109.
+
+pub mod encoding;
+pub mod half;
+pub mod raw;
+pub mod water;
 
 use glam::DVec2;
-use half::f16;
-use serde::{Deserialize, Serialize};
 
+pub use encoding::{Encoding, Family, Page};
+pub use half::{pack, unpack};
+pub use raw::Sampled;
+pub use water::Field;
+
+use super::bound::Bounds;
 use super::error::TileErrors;
 use super::series::Series;
-
-/// Complex coefficients in a texel.
-pub const TEXEL_COEFFICIENTS: usize = 4;
-
-/// How a series is laid out in texels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Encoding {
-    /// 16 coefficients, four at each of the resolutions 1, 1/2, 1/4 and 1/8.
-    Fm16,
-    /// 16 coefficients at full resolution.
-    F16,
-}
-
-impl Encoding {
-    /// Pixels per texel side of each group of four coefficients.
-    pub fn scales(self) -> [usize; 4] {
-        match self {
-            Self::Fm16 => [1, 2, 4, 8],
-            Self::F16 => [1; 4],
-        }
-    }
-
-    /// Harmonics above the mean.
-    pub fn harmonics(self) -> usize {
-        self.scales().len() * TEXEL_COEFFICIENTS - 1
-    }
-}
 
 /// One resolution level of a horizon map, rows *up* the map like those of a [`crate::terrain::Level`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texels {
     pub columns: usize,
     pub rows: usize,
-    pub texels: Vec<[u32; 4]>,
+    pub words_per_texel: usize,
+    /// `[row][column][word]`.
+    pub words: Vec<u32>,
 }
 
 /// The horizons of all seen nodes of a level.
@@ -74,36 +48,79 @@ pub struct HorizonMap {
     /// Nodes of the level's seen part, its margin excluded.
     pub columns: usize,
     pub rows: usize,
-    /// Coefficients 0–3, 4–7, 8–11, 12–15.
+    /// The encoding's pages.
     pub levels: Vec<Texels>,
+    /// What the bits of a water-filled pyramid mean, by page; empty for other encodings.
+    pub fields: Vec<Vec<Field>>,
     pub errors: TileErrors,
+    pub bounds: Bounds,
+}
+
+/// A decoded skyline.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Horizon {
+    Series(Series),
+    Sampled(Sampled),
+}
+
+impl Horizon {
+    /// Elevation and its derivative by azimuth towards the unit map direction `(sin A, cos A)`.
+    pub fn evaluate_towards(&self, towards: DVec2) -> (f64, f64) {
+        match self {
+            Self::Series(series) => series.evaluate_towards(towards),
+            Self::Sampled(sampled) => sampled.evaluate_towards(towards),
+        }
+    }
 }
 
 impl HorizonMap {
-    /// The series at a grid point, counted in nodes from the first seen one; beyond the edges that of the edge.
-    pub fn horizon(&self, grid: DVec2) -> Series {
-        let mut mean_rad = 0.0;
-        let mut harmonics_rad = Vec::with_capacity(self.encoding.harmonics());
-        for (group, (level, scale)) in self.levels.iter().zip(self.encoding.scales()).enumerate() {
-            for (slot, [re, im]) in level.bilinear(grid, scale).into_iter().enumerate() {
-                match (group, slot) {
-                    (0, 0) => mean_rad = re,
-                    _ => harmonics_rad.push([re, -im]),
-                }
+    /// The horizon at a grid point, counted in nodes from the first seen one; beyond the edges that of the edge.
+    pub fn horizon(&self, grid: DVec2) -> Horizon {
+        match self.encoding.family() {
+            Family::Halves => Horizon::Series(half::series(self, grid)),
+            Family::Samples => Horizon::Sampled(raw::sampled(self, grid)),
+            Family::Fields => Horizon::Series(water::series(self, grid)),
+        }
+    }
+
+    /// Whether the table of fields fits the encoding: none where there is nothing to describe.
+    pub fn has_fields(&self) -> bool {
+        let pages = self.encoding.pages();
+        let reals = 2 * (self.encoding.harmonics() + 1);
+        let fits = |page: &Page, fields: &Vec<Field>| fields.iter().all(|field| field.lies_in(page.words, reals));
+        match self.encoding.family() {
+            Family::Halves | Family::Samples => self.fields.is_empty(),
+            Family::Fields => {
+                self.fields.len() == pages.len()
+                    && pages.iter().zip(&self.fields).all(|(page, fields)| fits(page, fields))
             }
         }
-        Series { mean_rad, harmonics_rad }
+    }
+
+    /// Bytes of all pages.
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(|level| size_of_val(level.words.as_slice())).sum()
+    }
+
+    /// Standard deviation of the skyline's error at a grid point, in radians; `None` where nothing is known.
+    pub fn sigma_rad(&self, grid: DVec2) -> Option<f64> {
+        self.bound_rad(grid).map(|bound_rad| self.errors.bound.rms_share * bound_rad)
+    }
+
+    /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing is known.
+    pub fn bound_rad(&self, grid: DVec2) -> Option<f64> {
+        self.bounds.bound_rad(grid)
     }
 }
 
 /// Where a map lies in a buffer of texels: `HorizonGrid` of `series.wgsl`.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct HorizonGrid {
     pub columns: u32,
     pub rows: u32,
-    /// How many times each level halves the one before: 1 for `fm16`, 0 for `f16`.
-    pub halving: u32,
+    /// Where the fields of a water-filled pyramid are described.
+    pub table: u32,
     pub offset_0: u32,
     pub offset_1: u32,
     pub offset_2: u32,
@@ -111,18 +128,21 @@ pub struct HorizonGrid {
 }
 
 impl HorizonMap {
-    /// Appends all texels to a buffer and tells where they lie in it.
+    /// Appends all pages, and the table of fields if there is one, to a buffer and tells where they lie in it.
     pub fn append_to(&self, buffer: &mut Vec<[u32; 4]>) -> HorizonGrid {
-        let [offset_0, offset_1, offset_2, offset_3] = std::array::from_fn(|i| {
-            let offset = buffer.len() as u32;
-            buffer.extend_from_slice(&self.levels[i].texels);
-            offset
-        });
-        let halving = u32::from(self.encoding == Encoding::Fm16);
+        let mut offsets = [0; 4];
+        for (offset, level) in offsets.iter_mut().zip(&self.levels) {
+            *offset = buffer.len() as u32;
+            let chunks = level.words.chunks(4);
+            buffer.extend(chunks.map(|words| std::array::from_fn(|i| words.get(i).copied().unwrap_or(0))));
+        }
+        let table = buffer.len() as u32;
+        buffer.extend(water::table(&self.fields));
+        let [offset_0, offset_1, offset_2, offset_3] = offsets;
         HorizonGrid {
             columns: self.columns as u32,
             rows: self.rows as u32,
-            halving,
+            table,
             offset_0,
             offset_1,
             offset_2,
@@ -132,76 +152,115 @@ impl HorizonMap {
 }
 
 impl Texels {
-    /// A level of `scale` for a map of so many pixels.
-    pub(super) fn empty(columns: usize, rows: usize, scale: usize) -> Self {
-        let (columns, rows) = (columns.div_ceil(scale), rows.div_ceil(scale));
-        Self { columns, rows, texels: vec![[0; 4]; columns * rows] }
+    /// A page for a map of so many pixels.
+    pub fn empty(columns: usize, rows: usize, page: Page) -> Self {
+        let (columns, rows) = (columns.div_ceil(page.scale), rows.div_ceil(page.scale));
+        Self { columns, rows, words_per_texel: page.words, words: vec![0; columns * rows * page.words] }
     }
 
-    fn bilinear(&self, grid: DVec2, scale: usize) -> [[f64; 2]; TEXEL_COEFFICIENTS] {
+    /// Words of one texel.
+    pub fn texel(&self, column: usize, row: usize) -> &[u32] {
+        let first = (row * self.columns + column) * self.words_per_texel;
+        &self.words[first..first + self.words_per_texel]
+    }
+
+    /// A pair of numbers, read from each of the four texels about a grid point and interpolated.
+    fn bilinear(&self, grid: DVec2, scale: usize, read: impl Fn(&[u32]) -> [f64; 2]) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (column, row, share) in self.corners(grid, scale) {
+            let [a, b] = read(self.texel(column, row));
+            sum[0] += share * a;
+            sum[1] += share * b;
+        }
+        sum
+    }
+
+    /// Columns, rows and shares of the four texels about a grid point.
+    fn corners(&self, grid: DVec2, scale: usize) -> [(usize, usize, f64); 4] {
         let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
         let at = ((grid + 0.5) / scale as f64 - 0.5).clamp(DVec2::ZERO, last);
         let low = at.floor();
         let f = at - low;
         let (column, row) = (low.x as usize, low.y as usize);
         let (next_column, next_row) = ((column + 1).min(self.columns - 1), (row + 1).min(self.rows - 1));
-        let corners = [
+        [
             (column, row, (1.0 - f.x) * (1.0 - f.y)),
             (next_column, row, f.x * (1.0 - f.y)),
             (column, next_row, (1.0 - f.x) * f.y),
             (next_column, next_row, f.x * f.y),
-        ];
-        let mut sum = [[0.0; 2]; TEXEL_COEFFICIENTS];
-        for (column, row, share) in corners {
-            for (sum, word) in sum.iter_mut().zip(self.texels[row * self.columns + column]) {
-                let [re, im] = unpack(word);
-                sum[0] += share * f64::from(re);
-                sum[1] += share * f64::from(im);
-            }
-        }
-        sum
+        ]
     }
 }
 
-/// Real part in the low half, imaginary part in the high one, as WGSL's `pack2x16float`.
-pub fn pack([re, im]: [f32; 2]) -> u32 {
-    u32::from(f16::from_f32(re).to_bits()) | u32::from(f16::from_f32(im).to_bits()) << 16
-}
-
-pub fn unpack(word: u32) -> [f32; 2] {
-    [f16::from_bits(word as u16).to_f32(), f16::from_bits((word >> 16) as u16).to_f32()]
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A map whose coefficient `k` grows linearly over the grid.
     fn ramp(encoding: Encoding, columns: usize, rows: usize) -> HorizonMap {
-        let levels = encoding.scales().into_iter().map(|scale| {
-            let mut level = Texels::empty(columns, rows, scale);
+        let levels = encoding.pages().into_iter().map(|page| {
+            let mut level = Texels::empty(columns, rows, page);
             for row in 0..level.rows {
                 for column in 0..level.columns {
-                    let x = (column as f64 + 0.5) * scale as f64 - 0.5;
-                    let y = (row as f64 + 0.5) * scale as f64 - 0.5;
+                    let x = (column as f64 + 0.5) * page.scale as f64 - 0.5;
+                    let y = (row as f64 + 0.5) * page.scale as f64 - 0.5;
                     // Multiples of 1/256 below 1 are exact as half floats.
                     let value = ((x + y) / 256.0) as f32;
-                    level.texels[row * level.columns + column] = [pack([value, -value]); 4];
+                    let first = (row * level.columns + column) * page.words;
+                    level.words[first..first + page.words].fill(pack([value, -value]));
                 }
             }
             level
         });
         let levels = levels.collect();
-        HorizonMap { encoding, columns, rows, levels, errors: TileErrors::default() }
+        let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
+        HorizonMap { encoding, columns, rows, levels, fields: Vec::new(), errors, bounds }
+    }
+
+    fn series(map: &HorizonMap, grid: DVec2) -> Series {
+        let Horizon::Series(series) = map.horizon(grid) else { panic!("a series") };
+        series
+    }
+
+    /// A map of numbers without any pattern: half floats between -1 and 1, or fields of one to nine bits.
+    pub fn noise(encoding: Encoding, columns: usize, rows: usize) -> HorizonMap {
+        let mut state = 1_u32;
+        let mut next = || {
+            // Numerical Recipes' linear congruence.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state as f32 / u32::MAX as f32 * 2.0 - 1.0
+        };
+        let is_fields = encoding.family() == Family::Fields;
+        let pages = encoding.pages();
+        let mut levels: Vec<_> = pages.iter().map(|page| Texels::empty(columns, rows, *page)).collect();
+        for word in levels.iter_mut().flat_map(|level| &mut level.words) {
+            *word = if is_fields { next().to_bits().wrapping_mul(2_654_435_761) } else { pack([next(), next()]) };
+        }
+        let field = |word: usize, index: usize, shift: u32, width: u32| Field {
+            real: 7 * word + index,
+            word,
+            shift,
+            width,
+            step_rad: 0.01,
+            offset_rad: 0.005,
+        };
+        let places = [(0, 9), (9, 1), (10, 4), (14, 8), (22, 2), (24, 3), (27, 5)];
+        let of_word = |word: usize| (0..7).map(move |index| field(word, index, places[index].0, places[index].1));
+        let of_page = |page: &Page| (0..page.words).flat_map(of_word).collect();
+        let fields = if is_fields { pages.iter().map(of_page).collect() } else { Vec::new() };
+        let mut bounds = Bounds::unknown(columns, rows);
+        bounds.codes.iter_mut().for_each(|code| *code = (next().abs() * 255.0) as u8);
+        HorizonMap { encoding, columns, rows, levels, fields, errors: TileErrors::default(), bounds }
     }
 
     #[test]
     fn coefficients_linear_over_the_map_decode_exactly_between_texel_centres() {
-        for encoding in [Encoding::Fm16, Encoding::F16] {
+        for encoding in [Encoding::Fm16, Encoding::F16, Encoding::Fm8, Encoding::F4] {
             let map = ramp(encoding, 64, 48);
             for grid in [DVec2::new(10.0, 20.0), DVec2::new(33.25, 7.5), DVec2::new(50.0, 40.0)] {
-                let series = map.horizon(grid);
+                let series = series(&map, grid);
                 let expected = (grid.x + grid.y) / 256.0;
+                assert_eq!(series.harmonics_rad.len(), encoding.harmonics());
                 assert!((series.mean_rad - expected).abs() < 1e-12);
                 for [a, b] in series.harmonics_rad {
                     assert!((a - expected).abs() < 1e-3 && (b - expected).abs() < 1e-3, "{a} {b} {expected}");
@@ -213,18 +272,43 @@ mod tests {
     #[test]
     fn beyond_the_edge_the_edge_texel_counts() {
         let map = ramp(Encoding::Fm16, 16, 16);
-        assert_eq!(map.horizon(DVec2::new(-3.0, 0.0)).mean_rad, map.horizon(DVec2::ZERO).mean_rad);
+        assert_eq!(series(&map, DVec2::new(-3.0, 0.0)).mean_rad, series(&map, DVec2::ZERO).mean_rad);
     }
 
+    /// Table 1 of Fritsch et al. (2025): files of 256² pixels of 1.5 MB (raw, 12 samples), 1.33 MB (fm16), 4 MB (f16).
     #[test]
-    fn every_half_float_survives_packing() {
-        for bits in 0..=u16::MAX {
-            let value = f16::from_bits(bits).to_f32();
-            if !value.is_nan() {
-                let word = pack([value, 1.0]);
-                assert_eq!(word & 0xffff, u32::from(bits));
-                assert_eq!(unpack(word), [value, 1.0]);
-            }
+    fn maps_take_the_bytes_of_the_papers() {
+        let mib = |encoding: Encoding| encoding.bytes_per_pixel() * 65536.0 / 1048576.0;
+        assert_eq!(mib(Encoding::Raw12), 1.5);
+        assert!((mib(Encoding::Fm16) - 1.33).abs() < 0.005);
+        assert_eq!(mib(Encoding::F16), 4.0);
+        assert_eq!(Encoding::W21.bytes_per_pixel(), Encoding::Fm16.bytes_per_pixel());
+        assert!(Encoding::W16.bytes_per_pixel() <= 16.0);
+        for encoding in Encoding::ALL {
+            assert_eq!(encoding.name().parse::<Encoding>().unwrap(), encoding);
+            let pages = encoding.pages().into_iter().map(|page| Texels::empty(256, 256, page).words.len() * 4);
+            assert_eq!(pages.sum::<usize>() as f64 / 65536.0, encoding.bytes_per_pixel());
+        }
+        assert!("f5".parse::<Encoding>().unwrap_err().to_string().contains("allowed are fm4, fm8"));
+    }
+
+    /// The shaders' functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
+    #[test]
+    fn the_shaders_are_valid_and_share_their_layout() {
+        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
+            fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
+        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21] {
+            let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", encoding.wgsl())).unwrap();
+            // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
+            let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+            let mut validator = naga::valid::Validator::new(Default::default(), needed);
+            validator.validate(&module).unwrap();
+            let grid = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("HorizonGrid")).unwrap().1;
+            let naga::TypeInner::Struct { members, span } = &grid.inner else { panic!("a struct") };
+            assert_eq!(*span as usize, size_of::<HorizonGrid>());
+            let names: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
+            let expected = ["columns", "rows", "table", "offset_0", "offset_1", "offset_2", "offset_3"];
+            assert_eq!(names, expected.into_iter().zip((0..).step_by(4)).collect::<Vec<_>>());
         }
     }
 }

@@ -39,10 +39,9 @@ impl<'a> Request<'a> {
         if columns < 2 || rows < 2 {
             return Err(Error::TooSmall { level, columns, rows });
         }
-        // Fewer samples than twice the highest harmonic do not determine it.
-        let least = 2 * encoding.harmonics() + 1;
+        let least = encoding.least_azimuths();
         if settings.azimuths < least {
-            return Err(Error::TooFewAzimuths { got: settings.azimuths, harmonics: encoding.harmonics(), least });
+            return Err(Error::TooFewAzimuths { got: settings.azimuths, encoding, least });
         }
         if !(0.0..=1e6).contains(&settings.observer_height_m) {
             return Err(Error::ObserverHeight { got: settings.observer_height_m });

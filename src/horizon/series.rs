@@ -11,7 +11,7 @@
 //! This one-sided normalisation is the only one in the program: `a₀` is the mean and no factor is left to whoever
 //! evaluates. What truncation discards is known exactly: by Parseval's theorem the RMS error over the azimuths is
 //! `√(mean h² − a₀² − ½ Σ (aₖ² + bₖ²))`. The maximum error has no such bound at a cliff (Gibbs), so a tile's header
-//! records the measured one. `series.wgsl` evaluates the same sum from packed texels.
+//! records the measured one. The shaders beside [`super::pack`] evaluate the same sum from packed texels.
 
 use glam::{DVec2, Vec2Swizzles as _};
 
@@ -122,24 +122,6 @@ mod tests {
         let (low, high) = values.iter().fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(*v), high.max(*v)));
         assert!((high - 0.2 - 0.0129).abs() < 2e-4, "{high}");
         assert!((low + 0.0214).abs() < 2e-4, "{low}");
-    }
-
-    /// The shader's functions are valid WGSL, and `HorizonGrid` has the members of its Rust twin in their order.
-    #[test]
-    fn the_shader_is_valid_and_shares_its_layout() {
-        let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
-            fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
-        let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", include_str!("series.wgsl"))).unwrap();
-        // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
-        let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
-        let mut validator = naga::valid::Validator::new(Default::default(), needed);
-        validator.validate(&module).unwrap();
-        let grid = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("HorizonGrid")).unwrap().1;
-        let naga::TypeInner::Struct { members, span } = &grid.inner else { panic!("a struct") };
-        assert_eq!(*span as usize, size_of::<crate::horizon::pack::HorizonGrid>());
-        let names: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset)).collect();
-        let expected = ["columns", "rows", "halving", "offset_0", "offset_1", "offset_2", "offset_3"];
-        assert_eq!(names, expected.into_iter().zip((0..).step_by(4)).collect::<Vec<_>>());
     }
 
     #[test]

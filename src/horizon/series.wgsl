@@ -1,40 +1,32 @@
-// The skyline from packed Fourier coefficients: decode, interpolate, sum. Twin of `series.rs` and `pack.rs`.
-// Needs `fn horizon_texel(index: u32) -> vec4u`, the texel of that number.
+// What all decoders of horizons share: where a map lies, which texels surround a point, how an angle turns. Twin of
+// `series.rs` and `pack.rs`. Needs `fn horizon_texel(index: u32) -> vec4u`, four words of the buffer of maps.
 
-// A horizon map in that buffer. Level `l` of 0…3 has texels of (1 << l·halving) pixels a side, row by row from
+// 1 where each page halves the resolution of the one before, 0 where all are of full resolution.
+override HORIZON_HALVING: u32 = 1u;
+
+// A horizon map in that buffer. Page `l` of 0…3 has texels of (1 << l·HORIZON_HALVING) pixels a side, row by row from
 // `offset_l` on; rows run up the map.
 struct HorizonGrid {
     columns: u32,
     rows: u32,
-    // 1 for fm16, 0 for f16.
-    halving: u32,
+    // Where the fields of a water-filled pyramid are described.
+    table: u32,
     offset_0: u32,
     offset_1: u32,
     offset_2: u32,
     offset_3: u32,
 }
 
-// Four complex coefficients, one in each lane.
-struct HorizonCoefficients {
-    re: vec4f,
-    im: vec4f,
-}
-
-fn horizon_unpack(texel: vec4u) -> HorizonCoefficients {
-    let a = unpack2x16float(texel.x);
-    let b = unpack2x16float(texel.y);
-    let c = unpack2x16float(texel.z);
-    let d = unpack2x16float(texel.w);
-    return HorizonCoefficients(vec4f(a.x, b.x, c.x, d.x), vec4f(a.y, b.y, c.y, d.y));
-}
-
-fn horizon_mix(a: HorizonCoefficients, b: HorizonCoefficients, share: f32) -> HorizonCoefficients {
-    return HorizonCoefficients(mix(a.re, b.re, share), mix(a.im, b.im, share));
+// Numbers of the four texels about a point, south-west, south-east, north-west, north-east, and the shares of the
+// eastern and the northern ones.
+struct HorizonCell {
+    texels: vec4u,
+    share: vec2f,
 }
 
 // Bilinear between texel centres; beyond the edge the edge texel counts.
-fn horizon_coefficients(horizon: HorizonGrid, offset: u32, level: u32, grid: vec2f) -> HorizonCoefficients {
-    let shift = level * horizon.halving;
+fn horizon_cell(horizon: HorizonGrid, page: u32, grid: vec2f) -> HorizonCell {
+    let shift = page * HORIZON_HALVING;
     let scale = f32(1u << shift);
     let columns = (horizon.columns + (1u << shift) - 1u) >> shift;
     let rows = (horizon.rows + (1u << shift) - 1u) >> shift;
@@ -42,45 +34,12 @@ fn horizon_coefficients(horizon: HorizonGrid, offset: u32, level: u32, grid: vec
     let at = clamp((grid + 0.5) / scale - 0.5, vec2f(0.0), last);
     let low = vec2u(at);
     let high = min(low + 1u, vec2u(columns - 1u, rows - 1u));
-    let share = at - floor(at);
-    let south_west = horizon_unpack(horizon_texel(offset + low.y * columns + low.x));
-    let south_east = horizon_unpack(horizon_texel(offset + low.y * columns + high.x));
-    let north_west = horizon_unpack(horizon_texel(offset + high.y * columns + low.x));
-    let north_east = horizon_unpack(horizon_texel(offset + high.y * columns + high.x));
-    let south = horizon_mix(south_west, south_east, share.x);
-    let north = horizon_mix(north_west, north_east, share.x);
-    return horizon_mix(south, north, share.y);
+    let south = low.y * columns;
+    let north = high.y * columns;
+    return HorizonCell(vec4u(south + low.x, south + high.x, north + low.x, north + high.x), at - floor(at));
 }
 
 // (cos a, sin a) and (cos b, sin b) to those of a + b.
 fn horizon_turn(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
-}
-
-// Adds four terms Re Xₖ cos kA − Im Xₖ sin kA and their derivatives by A; `turned` is (cos kA, sin kA) of the first.
-fn horizon_terms(coefficients: HorizonCoefficients, first: f32, turned: vec2f, step: vec2f) -> vec2f {
-    let t1 = horizon_turn(turned, step);
-    let t2 = horizon_turn(t1, step);
-    let t3 = horizon_turn(t2, step);
-    let cosines = vec4f(turned.x, t1.x, t2.x, t3.x);
-    let sines = vec4f(turned.y, t1.y, t2.y, t3.y);
-    let orders = first + vec4f(0.0, 1.0, 2.0, 3.0);
-    let elevation_rad = dot(coefficients.re, cosines) - dot(coefficients.im, sines);
-    let slope = -dot(coefficients.re * orders, sines) - dot(coefficients.im * orders, cosines);
-    return vec2f(elevation_rad, slope);
-}
-
-// Elevation of the skyline, in radians, and its derivative by map azimuth, at a grid point counted in nodes from the
-// first seen one, towards the unit map direction (X, Y) = (sin A, cos A). Angles kA are reached by turning, so no
-// trigonometric function is called.
-fn horizon_elevation(horizon: HorizonGrid, grid: vec2f, towards: vec2f) -> vec2f {
-    let step = towards.yx;
-    let two = horizon_turn(step, step);
-    let four = horizon_turn(two, two);
-    let eight = horizon_turn(four, four);
-    let twelve = horizon_turn(eight, four);
-    return horizon_terms(horizon_coefficients(horizon, horizon.offset_0, 0u, grid), 0.0, vec2f(1.0, 0.0), step)
-        + horizon_terms(horizon_coefficients(horizon, horizon.offset_1, 1u, grid), 4.0, four, step)
-        + horizon_terms(horizon_coefficients(horizon, horizon.offset_2, 2u, grid), 8.0, eight, step)
-        + horizon_terms(horizon_coefficients(horizon, horizon.offset_3, 3u, grid), 12.0, twelve, step);
 }

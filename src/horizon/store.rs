@@ -1,16 +1,12 @@
 //! Horizon tiles on disk.
 //!
-//! A tile is a TIFF that GDAL and Python open. Page `l` holds coefficients `4l … 4l+3` as eight 16-bit IEEE
-//! floats per pixel, `Re X, Im X` of each in turn ([`super::pack`]), deflated. The pages are ordinary images
-//! (`NewSubfileType` 0) and not overviews: they hold *other* coefficients, at the scale that the header states.
-//! Rows run from the top of the map down, so the first row on disk is the last one of the grid; where the number of rows is no
-//! multiple of a page's scale the partial box is the first row on disk.
-//!
-//! `ImageDescription` of page 0 is a JSON [`Header`] with all that a decoder needs. Where the map is gnomonic with
-//! north up, page 0 also carries GeoTIFF keys.
+//! A tile is a TIFF that GDAL and Python open: [`super::pages`] of whole numbers and a JSON [`Header`] with all that a
+//! decoder needs. The specification of the file, from which `tests/vectors/decode.py` was written, stands below.
 //!
 //! A tile is found by its [`Key`]: the SHA-256 of the heights, the map, the settings, the encoding and the format
 //! version. Files are written under another name and renamed, so that a tile is whole or absent.
+//!
+#![doc = include_str!("FORMAT.md")]
 
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter, Write as _};
@@ -19,21 +15,21 @@ use std::path::{Path, PathBuf};
 use bytemuck::cast_slice;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::encoder::colortype::ColorType;
-use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
-use tiff::tags::{ExtraSamples, PhotometricInterpretation, SampleFormat, Tag};
+use tiff::decoder::{Decoder, Limits};
+use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
+use tiff::tags::Tag;
 
 use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
-use super::pack::{Encoding, HorizonMap, Texels};
+use super::pack::{Encoding, HorizonMap, encoding};
+use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 const FORMAT: &str = "perilune horizon tile";
 
@@ -56,7 +52,7 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(numbers.as_flattened()));
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
-        hash.update([encoding as u8]);
+        hash.update(encoding.name());
         if !settings.method.is_default() {
             hash.update(format!("{:?}", settings.method));
         }
@@ -92,6 +88,7 @@ pub struct Header {
     pub format_version: u32,
     pub generator: String,
     pub key: Key,
+    #[serde(with = "encoding::by_name")]
     pub encoding: Encoding,
     /// `h(A) = Re Σ Xₖ e^{ikA}`: one-sided, radians.
     pub series: String,
@@ -99,15 +96,16 @@ pub struct Header {
     pub elevation: String,
     pub pixel: String,
     pub body: BodyHeader,
-    /// Pixels of the full resolution, and the pages' scales against it.
+    /// Nodes of the grid.
     pub columns: usize,
     pub rows: usize,
-    pub scales: [usize; 4],
     pub settings: Settings,
     pub map: MapHeader,
     /// The swept level, then the coarser ones that only occlude.
     pub inputs: Vec<InputHeader>,
     pub errors: TileErrors,
+    /// In the order of the file; filled in by [`write`].
+    pub pages: Vec<PageHeader>,
 }
 
 /// The spheroid that latitudes refer to.
@@ -165,7 +163,9 @@ impl Header {
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
             key: request.key(),
             encoding: map.encoding,
-            series: "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3".into(),
+            series: "h(A) = sum over pages of weight * value; weight: re k, a k: cos kA; im k: -sin kA; b k: sin kA; h i of n: \
+                     max(0, 1 - |A n/2pi - i|)"
+                .into(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
             elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
             pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
@@ -176,11 +176,11 @@ impl Header {
             },
             columns: map.columns,
             rows: map.rows,
-            scales: map.encoding.scales(),
             settings,
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
             errors: map.errors,
+            pages: Vec::new(),
         }
     }
 }
@@ -212,20 +212,6 @@ pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
     directory.join(format!("horizon_{}.tif", &key.0[..16]))
 }
 
-/// Eight half floats per pixel.
-struct Halves;
-
-impl ColorType for Halves {
-    type Inner = u16;
-    const TIFF_VALUE: PhotometricInterpretation = PhotometricInterpretation::BlackIsZero;
-    const BITS_PER_SAMPLE: &'static [u16] = &[16];
-    const SAMPLE_FORMAT: &'static [SampleFormat] = &[SampleFormat::IEEEFP];
-
-    fn horizontal_predict(_: &[u16], _: &mut Vec<u16>) {
-        unreachable!("tiles are written without a predictor")
-    }
-}
-
 /// Writes a tile under its final name once it is whole.
 pub fn write(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Error> {
     if let Some(directory) = path.parent() {
@@ -252,19 +238,21 @@ fn write_pages(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Err
 }
 
 fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
-    let description = serde_json::to_string(header).expect("a header is plain data");
-    let mut encoder = TiffEncoder::new(file)?.with_compression(Compression::Deflate(DeflateLevel::Balanced));
-    for (index, level) in map.levels.iter().enumerate() {
-        let mut page = encoder.new_image::<Halves>(level.columns as u32, level.rows as u32)?;
-        page.extra_samples(&[ExtraSamples::Unspecified; 7])?;
-        page.rows_per_strip(64)?;
-        if index == 0 {
-            page.encoder().write_tag(Tag::ImageDescription, description.as_str())?;
-            georeference::write_tags(page.encoder(), header)?;
-        }
-        let top_down: Vec<u16> =
-            (level.texels.chunks(level.columns).rev()).flat_map(|row| cast_slice(row).to_vec()).collect();
-        page.write_data(&top_down)?;
+    let mut file = TiffEncoder::new(file)?
+        .with_compression(Compression::Deflate(DeflateLevel::Best))
+        .with_predictor(Predictor::Horizontal);
+    let pages = pages::pages(map);
+    let header = Header { pages: pages.iter().map(|page| page.header.clone()).collect(), ..header.clone() };
+    let description = serde_json::to_string(&header).expect("a header is plain data");
+    for (index, page) in pages.iter().enumerate() {
+        page.write(&mut file, |tags| {
+            if index == 0 {
+                tags.write_tag(Tag::ImageDescription, description.as_str())?;
+            }
+            // The pictures that people look at: the mean, or the first sample, and the bound.
+            let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == pages.len());
+            if is_shown { georeference::write_tags(tags, &header) } else { Ok(()) }
+        })?;
     }
     Ok(())
 }
@@ -276,35 +264,21 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
     let mut decoder = Decoder::new(BufReader::new(file)).map_err(decode)?.with_limits(Limits::unlimited());
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).map_err(decode)?;
     let header = parse(path, &description)?;
-    let mut levels = Vec::new();
-    for (page, scale) in header.scales.into_iter().enumerate() {
-        if page > 0 {
+    let mut pages = Vec::new();
+    for (index, page) in header.pages.iter().enumerate() {
+        if index > 0 {
             decoder.next_image().map_err(decode)?;
         }
-        let mut level = Texels::empty(header.columns, header.rows, scale);
-        let (got, expected) = (decoder.dimensions().map_err(decode)?, (level.columns as u32, level.rows as u32));
+        let (got, expected) = (decoder.dimensions().map_err(decode)?, (page.columns as u32, page.rows as u32));
         if got != expected {
-            return Err(Error::Page { path: path.into(), page, got, expected });
+            return Err(Error::Page { path: path.into(), page: index, got, expected });
         }
-        let DecodingResult::F16(halves) = decoder.read_image().map_err(decode)? else {
-            return Err(Error::header(path, format!("page {page} does not hold half floats")));
-        };
-        let halves: &[u16] = cast_slice(&halves);
-        if halves.len() != level.texels.len() * 8 {
-            return Err(Error::header(path, format!("page {page} does not hold eight samples per pixel")));
-        }
-        for (row, halves) in level.texels.chunks_mut(level.columns).rev().zip(halves.chunks(8 * level.columns)) {
-            bytemuck::cast_slice_mut::<_, u16>(row).copy_from_slice(halves);
-        }
-        levels.push(level);
+        let values = pages::read_values(&mut decoder, page.columns).map_err(decode)?;
+        let values = values.ok_or_else(|| Error::header(path, format!("page {index} does not hold whole numbers")))?;
+        pages.push(Page { header: page.clone(), values });
     }
-    let map = HorizonMap {
-        encoding: header.encoding,
-        columns: header.columns,
-        rows: header.rows,
-        levels,
-        errors: header.errors,
-    };
+    let map = pages::map(&pages, header.encoding, header.columns, header.rows, header.errors);
+    let map = map.ok_or_else(|| Error::header(path, format!("its pages are not those of {}", header.encoding)))?;
     Ok((header, map))
 }
 

@@ -9,7 +9,7 @@ use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap};
+use crate::horizon::{self, Encoding, HorizonMap, Key};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
@@ -185,9 +185,17 @@ pub struct Tile<'a> {
     pub face: usize,
     pub level: usize,
     pub path: PathBuf,
+    pub key: Key,
     pub map: &'a HorizonMap,
     /// What building took; `None` where the tile was there.
     pub built_s: Option<f64>,
+}
+
+impl Tile<'_> {
+    /// The tile as a manifest lists it.
+    pub fn input(&self) -> Input {
+        Input { role: "horizon".into(), name: file_name(&self.path), sha256: self.key.as_str().into() }
+    }
 }
 
 /// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
@@ -217,9 +225,10 @@ pub fn horizons<E: From<Error>>(
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
             let map = horizon::open_or_build(&request, folder, &heard).map_err(Error::from)?;
-            let path = store::path_for(folder, &request.key());
+            let key = request.key();
+            let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
-            finished(&Tile { face: index, level, path, map: &map, built_s })?;
+            finished(&Tile { face: index, level, path, key, map: &map, built_s })?;
             levels.push(map);
         }
         maps.push(levels);

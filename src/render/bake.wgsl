@@ -10,7 +10,7 @@ struct BakeParameters {
     offset: u32,
     columns: u32,
     rows: u32,
-    horizon_halving: u32,
+    horizon_table: u32,
     horizon: vec4u,
 }
 
@@ -23,7 +23,7 @@ fn baked_skyline(node: u32) -> vec2f {
     let s = bake.direction.xyz - vec3f(at_m, bake.radius_m) * bake.direction.w;
     let direction = s.xy - at_m * (s.z / bake.radius_m);
     let towards = direction * inverseSqrt(max(dot(direction, direction), 1.0e-30));
-    let horizon = HorizonGrid(bake.columns, bake.rows, bake.horizon_halving, bake.horizon.x, bake.horizon.y, bake.horizon.z, bake.horizon.w);
+    let horizon = HorizonGrid(bake.columns, bake.rows, bake.horizon_table, bake.horizon.x, bake.horizon.y, bake.horizon.z, bake.horizon.w);
     return horizon_elevation(horizon, grid, towards);
 }
 

@@ -52,7 +52,7 @@ pub struct MapLevel {
     pub horizon: [u32; 4],
     pub face: u32,
     pub has_horizon: u32,
-    pub horizon_halving: u32,
+    pub horizon_table: u32,
     pub padding: u32,
 }
 
@@ -75,7 +75,7 @@ pub struct BakeParameters {
     pub offset: u32,
     pub columns: u32,
     pub rows: u32,
-    pub horizon_halving: u32,
+    pub horizon_table: u32,
     pub horizon: [u32; 4],
 }
 
@@ -200,7 +200,7 @@ impl BakeParameters {
             offset,
             columns: level.columns,
             rows: level.rows,
-            horizon_halving: level.horizon_halving,
+            horizon_table: level.horizon_table,
             horizon: level.horizon,
         }
     }

@@ -19,6 +19,7 @@ pub use view::{Light, Scene, Shadows, View};
 use std::time::Duration;
 
 use crate::gpu::GpuError;
+use crate::horizon::Encoding;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer.
@@ -50,6 +51,8 @@ pub enum RenderError {
     BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
     #[error("traced shadows need the reference renderer; use --adapter cpu")]
     TracedOnGpu,
+    #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
+    Encodings { first: Encoding, other: Encoding },
     #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
     TooManyLights { got: usize, allowed: usize },
 }

@@ -28,7 +28,6 @@ use super::planes::{Radiometry, Samples};
 use super::{RenderError, Renderer, Scene, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::horizon::SERIES_WGSL;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::terrain::{Face, Ground, Hit};
 
@@ -123,7 +122,8 @@ impl Prepared {
         constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
         let source = if skylines.is_some() { 2 } else { u8::from(scene.shadows.maps().is_some()) };
         constants.push(("SKYLINES", f64::from(source)));
-        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
+        constants.extend(ground.encoding.constants());
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
         let mut points = offsets;
         if extra {
             points.push(DVec2::ZERO);

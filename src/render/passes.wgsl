@@ -204,7 +204,7 @@ fn skyline(facet: Facet, light: u32, s: vec3f, radius_rad: f32) -> vec2f {
     let towards = direction / sqrt(length_2);
     var horizon: vec2f;
     if SKYLINES == 1u {
-        let grid = HorizonGrid(level.columns, level.rows, level.horizon_halving, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+        let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
         horizon = horizon_elevation(grid, facet.grid, towards);
     } else {
         horizon = field_skyline(level, light, facet.grid);

@@ -7,8 +7,9 @@ use hifitime::Epoch;
 
 use super::spec;
 use crate::geometry::{Body, Geodetic};
+use crate::horizon::Encoding;
 
-pub use super::spec::{Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, Shadows, Values};
+pub use super::spec::{Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Values};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]

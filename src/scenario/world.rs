@@ -6,6 +6,7 @@ use super::resolve::Check;
 use super::resolved::{Albedo, Dem, FixedSun, Horizon, Sun, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
+use crate::horizon::Encoding;
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 
 /// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
@@ -124,7 +125,7 @@ pub fn horizon(written: &spec::Horizon) -> Horizon {
             azimuths: spec::DEFAULT_AZIMUTHS,
             search_m: None,
             observer_height_m: 0.0,
-            encoding: spec::Encoding::default(),
+            encoding: Encoding::default(),
             band: false,
         },
     }

@@ -41,7 +41,7 @@ struct MapLevel {
     horizon: vec4u,
     face: u32,
     has_horizon: u32,
-    horizon_halving: u32,
+    horizon_table: u32,
     padding: u32,
 }
 

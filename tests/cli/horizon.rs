@@ -22,11 +22,11 @@ fn ridge() -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
     let size = ["--columns", "96", "--rows", "80", "--at", "-89,20"];
     assert!(sim(folder.path(), &[&["terrain", "-o", "ridge.tif"][..], &size].concat()).status.success());
-    let built = json(folder.path(), &["horizon", "ridge.tif", "-o", "tiles", "--azimuths", "60"]);
+    let built = json(folder.path(), &["horizon", "ridge.tif", "-o", "tiles", "--azimuths", "72"]);
     let tile = folder.path().join(built[0]["tile"].as_str().unwrap());
     assert_eq!((built[0]["columns"].as_u64(), built[0]["rows"].as_u64()), (Some(96), Some(80)));
     assert!(built[0]["samples_per_s"].as_f64().unwrap() > 0.0);
-    let again = json(folder.path(), &["horizon", "ridge.tif", "-o", "tiles", "--azimuths", "60"]);
+    let again = json(folder.path(), &["horizon", "ridge.tif", "-o", "tiles", "--azimuths", "72"]);
     assert_eq!((&again[0]["built_s"], &again[0]["decoded_error_deg"]), (&Value::Null, &built[0]["decoded_error_deg"]));
     (folder, tile)
 }
@@ -51,19 +51,23 @@ fn a_tile_is_verified_against_its_dem_and_no_other() {
 fn a_tile_that_does_not_err_as_it_says_fails() {
     let (folder, tile) = ridge();
     let (header, map) = store::read(&tile).unwrap();
-    let fails = |header: &store::Header, map: &perilune::horizon::HorizonMap| {
+    let fails = |header: &store::Header, map: &perilune::horizon::HorizonMap, figure: &str| {
         store::write(&tile, header, map).unwrap();
         let output = sim(folder.path(), &["horizon", "verify", tile.to_str().unwrap(), "ridge.tif"]);
         let said = String::from_utf8(output.stderr).unwrap();
-        assert!(said.contains("states errors that its own nodes do not have"), "{said}");
+        assert!(said.lines().count() == 1 && said.contains("that its own nodes do not have"), "{said}");
+        assert!(said.contains(figure), "{said}");
         output.status.code() == Some(1)
     };
     let mut flattering = header.clone();
     flattering.errors.decoded.rms_rad *= 0.9;
-    assert!(fails(&flattering, &map));
+    assert!(fails(&flattering, &map, "rms is stated as"));
     let mut damaged = map.clone();
-    damaged.levels[0].texels.iter_mut().for_each(|texel| texel[1] ^= 0x8000);
-    assert!(fails(&header, &damaged));
+    damaged.levels[0].words.chunks_mut(4).for_each(|texel| texel[1] ^= 0x8000);
+    assert!(fails(&header, &damaged, "rms is stated as"));
+    let mut narrow = map.clone();
+    narrow.bounds.codes.iter_mut().for_each(|code| *code -= 16);
+    assert!(fails(&header, &narrow, "nodes beyond their bound is stated as"));
 }
 
 /// At 20° east on a polar map turned to the DEM the true and the map azimuth differ; the skyline is one.
@@ -81,12 +85,18 @@ fn the_skyline_of_a_place_is_decoded_and_traced_at_true_azimuths() {
         let error_deg = number(row, "decoded_deg") - number(row, "traced_deg");
         // Sixteen coefficients do not follow a cliff; a turned or mirrored skyline would be off by tens of degrees.
         assert!(error_deg.abs() < 5.0, "{row}");
+        assert_eq!(row["bound_deg"], rows[0]["bound_deg"]);
     }
     // The map lies about the place itself, so both azimuths differ by one angle.
     let turn = |row: &Value| (number(row, "map_azimuth_deg") - number(row, "azimuth_deg")).rem_euclid(360.0);
     assert!(rows.iter().all(|row| (turn(row) - turn(&rows[0]) + 180.0).rem_euclid(360.0) - 180.0 < 0.1));
     let svg = std::fs::read_to_string(folder.path().join("skyline.svg")).unwrap();
     assert!(svg.starts_with("<svg") && svg.matches("<polyline").count() == 2);
+
+    // Without the DEM nothing is traced.
+    let alone = json(folder.path(), &["horizon", "query", name, "--at", "-89,20", "--azimuth-step", "30"]);
+    assert_eq!((&alone[3]["decoded_deg"], &alone[3]["traced_deg"]), (&rows[3]["decoded_deg"], &Value::Null));
+    assert_eq!(svg.matches("<polygon").count(), 1, "the bound");
 
     let outside = sim(folder.path(), &["horizon", "query", name, "--at", "10,0"]);
     let said = String::from_utf8(outside.stderr).unwrap();
@@ -105,7 +115,7 @@ fn a_whole_body_becomes_six_tiles() {
     globe.write(&folder.path().join("globe.tif")).unwrap();
     let built = json(
         folder.path(),
-        &["horizon", "globe.tif", "-o", "tiles", "--cube", "--posting", "100000", "--azimuths", "36"],
+        &["horizon", "globe.tif", "-o", "tiles", "--cube", "--posting", "100000", "--azimuths", "64"],
     );
     let faces: Vec<_> = built.as_array().unwrap().iter().map(|tile| tile["face"].as_u64().unwrap()).collect();
     assert_eq!(faces, [0, 1, 2, 3, 4, 5]);

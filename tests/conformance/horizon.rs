@@ -1,10 +1,10 @@
-//! `series.wgsl` against the series in f64, function by function, on maps of random texels.
+//! The shaders of all encodings against their decoders in f64, function by function, on maps of random words.
 
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use perilune::horizon::pack::{pack, unpack};
-use perilune::horizon::{Encoding, HorizonMap, SERIES_WGSL, Texels, TileErrors};
+use perilune::horizon::pack::{Family, Field, pack, unpack};
+use perilune::horizon::{Bounds, Encoding, HorizonMap, Texels, TileErrors};
 
 use super::{Comparison, Shader, functions, gpu, spread};
 
@@ -13,95 +13,178 @@ const ROWS: usize = 29;
 
 /// Coefficients that fall with their order as those of real skylines do: 0.2 rad the mean, 0.01 rad the last.
 fn map(encoding: Encoding) -> HorizonMap {
-    let mut numbers = spread(40_000, &[(-1.0, 1.0)]).into_iter().map(|x| x[0]);
-    let mut level = |group: usize, scale: usize| {
-        let (columns, rows) = (COLUMNS.div_ceil(scale), ROWS.div_ceil(scale));
-        let mut number = |slot: usize| 0.2 / (1.0 + (4 * group + slot) as f32) * numbers.next().unwrap();
-        let texels = (0..columns * rows).map(|_| [0, 1, 2, 3].map(|slot| pack([number(slot), number(slot)])));
-        Texels { columns, rows, texels: texels.collect() }
+    let mut numbers = spread(40_000, &[(-1.0, 1.0)]).into_iter().cycle().map(|x| x[0]);
+    let pages = encoding.pages();
+    let fields: Vec<_> = match encoding.family() {
+        Family::Fields => pages.iter().map(|page| fields(page.words)).collect(),
+        Family::Halves | Family::Samples => Vec::new(),
     };
-    let levels = (0..).zip(encoding.scales()).map(|(group, scale)| level(group, scale)).collect();
-    HorizonMap { encoding, columns: COLUMNS, rows: ROWS, levels, errors: TileErrors::default() }
+    let mut levels = Vec::new();
+    for (index, page) in pages.into_iter().enumerate() {
+        let mut level = Texels::empty(COLUMNS, ROWS, page);
+        for texel in level.words.chunks_mut(page.words) {
+            for (slot, word) in texel.iter_mut().enumerate() {
+                let mut number = || numbers.next().unwrap();
+                *word = match encoding.family() {
+                    Family::Halves => pack([0, 1].map(|_| 0.2 / (1.0 + (4 * index + slot) as f32) * number())),
+                    Family::Samples => pack([0, 1].map(|_| 0.2 * number())),
+                    Family::Fields => number().to_bits().wrapping_mul(2_654_435_761),
+                };
+            }
+        }
+        levels.push(level);
+    }
+    let (errors, bounds) = (TileErrors::default(), Bounds::unknown(COLUMNS, ROWS));
+    HorizonMap { encoding, columns: COLUMNS, rows: ROWS, levels, fields, errors, bounds }
+}
+
+/// Fields of one to nine bits that fill the words, of falling steps.
+fn fields(words: usize) -> Vec<Field> {
+    let mut fields = Vec::new();
+    for word in 0..words {
+        let mut shift = 0;
+        for width in [9, 1, 4, 8, 2, 3, 5] {
+            let order = fields.len() as f32 / 2.0;
+            let step_rad = 0.1 / (1.0 + order) / (1 << width) as f32;
+            let real = [0, 2 * fields.len() + 1][usize::from(!fields.is_empty())];
+            fields.push(Field { real, word, shift, width, step_rad, offset_rad: 0.5 * step_rad });
+            shift += width;
+        }
+    }
+    fields
 }
 
 fn shader(map: &HorizonMap) -> Shader {
     let texel = "fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
-    let table = map.levels.iter().flat_map(|level| level.texels.as_flattened()).copied().collect();
+    let mut texels = Vec::new();
+    map.append_to(&mut texels);
+    let table = texels.as_flattened().to_vec();
     let declared = "horizon_texels: array<vec4u>";
-    Shader { source: [SERIES_WGSL, texel].concat(), constants: Vec::new(), declared, table }
+    Shader { source: [&map.encoding.wgsl(), texel].concat(), constants: map.encoding.constants(), declared, table }
 }
 
 /// The map as WGSL.
 fn grid(map: &HorizonMap) -> String {
-    let halving = u32::from(map.encoding == Encoding::Fm16);
-    let mut offset = 0;
-    let offsets = map.levels.iter().map(|level| {
-        offset += level.texels.len();
-        format!("{}u", offset - level.texels.len())
-    });
-    let offsets: Vec<_> = offsets.collect();
-    format!("HorizonGrid({COLUMNS}u, {ROWS}u, {halving}u, {})", offsets.join(", "))
+    let grid = map.append_to(&mut Vec::new());
+    let numbers = [grid.columns, grid.rows, grid.table, grid.offset_0, grid.offset_1, grid.offset_2, grid.offset_3];
+    format!("HorizonGrid({})", numbers.map(|number| format!("{number}u")).join(", "))
 }
 
 /// Grid points inside, on the edges and beyond; azimuths all round, the cardinal ones among them.
-fn places() -> Vec<Vec<f32>> {
+fn places(cardinal: bool) -> Vec<Vec<f32>> {
     let inside = spread(4000, &[(-2.0, COLUMNS as f32 + 1.0), (-2.0, ROWS as f32 + 1.0), (0.0, TAU as f32)]);
     let (east, north) = ((COLUMNS - 1) as f32, (ROWS - 1) as f32);
     let edges = [0.0, 0.5, 7.0, east / 2.0, east]
         .into_iter()
         .flat_map(|x| [0.0, 3.5, north].map(|y| [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)].map(|d| (x, y, d))))
         .flatten()
+        .filter(|_| cardinal)
         .map(|(x, y, (sin, cos))| vec![x, y, sin, cos]);
     inside.into_iter().map(|x| vec![x[0], x[1], x[2].sin(), x[2].cos()]).chain(edges).collect()
 }
 
-fn numbers(x: &[f64]) -> ([f64; 4], [f64; 4]) {
-    ([x[0], x[1], x[2], x[3]], [x[4], x[5], x[6], x[7]])
+fn call(text: String) -> &'static str {
+    Box::leak(text.into_boxed_str())
 }
 
-/// Bounds: a rounding of f32 is 6e-8; sums have 32 terms of up to 0.2, slopes weigh them by up to 15; a shader may
-/// place a point between texels to 1e-6 of the map.
-fn comparisons(map: &HorizonMap) -> Vec<Comparison> {
+fn comparison(
+    function: &'static str,
+    call: &'static str,
+    inputs: Vec<Vec<f32>>,
+    absolute: f64,
+    reference: Box<super::Reference>,
+) -> Comparison {
+    Comparison { function, call, inputs, reference, absolute, relative: 1e-6 }
+}
+
+/// Elevation and slope as a whole. Bounds: a rounding of f32 is 6e-8; sums have 64 terms of up to 0.2, slopes weigh them by
+/// up to 31; a shader may place a point between texels to 1e-6 of the map.
+fn whole(map: &HorizonMap) -> Vec<Comparison> {
     let grid = grid(map);
-    let call = |text: String| -> &'static str { Box::leak(text.into_boxed_str()) };
-    let comparison = |function, call, inputs, absolute, reference: Box<super::Reference>| Comparison {
-        function,
-        call,
-        inputs,
-        reference,
-        absolute,
-        relative: 1e-6,
-    };
-    // Numbers that half floats hold exactly.
-    let halves =
-        spread(1000, &[(-1.0, 1.0); 8]).into_iter().map(|x| x.into_iter().map(|x| unpack(pack([x, 0.0]))[0]).collect());
-    let terms = spread(
-        1000,
-        &[
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (-0.2, 0.2),
-            (0.0, TAU as f32),
-        ],
-    );
-    let eight = "HorizonCoefficients(vec4f(x[0], x[1], x[2], x[3]), vec4f(x[4], x[5], x[6], x[7]))";
     let wanted = |map: &HorizonMap| {
         let map = map.clone();
         move |x: &[f64]| map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3]))
     };
     let (elevation, slope) = (wanted(map), wanted(map));
+    let samples = map.encoding.family() == Family::Samples;
+    // Within rounding of a sampled azimuth either piece's slope is right.
+    let near_a_sample = |x: &Vec<f32>| {
+        let sector = f64::from(x[2]).atan2(f64::from(x[3])) / TAU * map.encoding.samples() as f64;
+        samples && (sector - sector.round()).abs() < 1e-5
+    };
+    let off_samples: Vec<_> = places(!samples).into_iter().filter(|x| !near_a_sample(x)).collect();
+    vec![
+        comparison(
+            "horizon_elevation",
+            call(format!("y[0] = horizon_elevation({grid}, vec2f(x[0], x[1]), vec2f(x[2], x[3])).x;")),
+            places(true),
+            6e-6,
+            Box::new(move |x| vec![elevation(x).0]),
+        ),
+        comparison(
+            "horizon_elevation",
+            call(format!("y[0] = horizon_elevation({grid}, vec2f(x[0], x[1]), vec2f(x[2], x[3])).y;")),
+            off_samples,
+            6e-5,
+            Box::new(move |x| vec![slope(x).1]),
+        ),
+    ]
+}
+
+/// What all families share.
+fn shared(map: &HorizonMap) -> Vec<Comparison> {
+    let grid = grid(map);
+    let scale = if map.encoding.pages().last().unwrap().scale > 1 { 4.0 } else { 1.0 };
+    vec![
+        comparison(
+            "horizon_turn",
+            "let c = horizon_turn(vec2f(x[0], x[1]), vec2f(x[2], x[3])); y[0] = c.x; y[1] = c.y;",
+            spread(500, &[(-1.0, 1.0); 4]),
+            2e-7,
+            Box::new(|x| vec![x[0] * x[2] - x[1] * x[3], x[0] * x[3] + x[1] * x[2]]),
+        ),
+        // The place that the four corners and shares stand for, in texels of the third page.
+        comparison(
+            "horizon_cell",
+            call(format!(
+                "let c = horizon_cell({grid}, 2u, vec2f(x[0], x[1])); let columns = {columns}u;
+                let low = vec2f(f32(c.texels.x % columns), f32(c.texels.x / columns));
+                let high = vec2f(f32(c.texels.w % columns), f32(c.texels.w / columns));
+                let at = mix(low, high, c.share); y[0] = at.x; y[1] = at.y;
+                y[2] = f32(c.texels.y) - f32(c.texels.x) - (f32(c.texels.w) - f32(c.texels.z));",
+                columns = COLUMNS.div_ceil(scale as usize)
+            )),
+            places(true),
+            // Of a coordinate of 37.
+            1e-5,
+            Box::new(move |x| {
+                let at = |grid: f64, nodes: usize| {
+                    let last = (nodes as f64 / scale).ceil() - 1.0;
+                    ((grid + 0.5) / scale - 0.5).clamp(0.0, last)
+                };
+                vec![at(x[0], COLUMNS), at(x[1], ROWS), 0.0]
+            }),
+        ),
+    ]
+}
+
+fn halves(map: &HorizonMap) -> Vec<Comparison> {
+    let grid = grid(map);
+    let numbers = |x: &[f64]| ([x[0], x[1], x[2], x[3]], [x[4], x[5], x[6], x[7]]);
+    // Numbers that half floats hold exactly.
+    let exact =
+        spread(1000, &[(-1.0, 1.0); 8]).into_iter().map(|x| x.into_iter().map(|x| unpack(pack([x, 0.0]))[0]).collect());
+    let mut ranges = [(-0.2, 0.2); 9];
+    ranges[8] = (0.0, TAU as f32);
+    let terms = spread(1000, &ranges);
+    let eight = "HorizonCoefficients(vec4f(x[0], x[1], x[2], x[3]), vec4f(x[4], x[5], x[6], x[7]))";
     let first = map.clone();
     vec![
         comparison(
             "horizon_unpack",
             "let c = horizon_unpack(vec4u(pack2x16float(vec2f(x[0], x[4])), pack2x16float(vec2f(x[1], x[5])), pack2x16float(vec2f(x[2], x[6])), pack2x16float(vec2f(x[3], x[7]))));
             for (var i = 0u; i < 4u; i++) { y[i] = c.re[i]; y[4u + i] = c.im[i]; }",
-            halves.collect(),
+            exact.collect(),
             1e-9,
             Box::new(|x| x[..8].to_vec()),
         ),
@@ -113,18 +196,11 @@ fn comparisons(map: &HorizonMap) -> Vec<Comparison> {
             Box::new(|x| vec![0.75 * x[1] + 0.25, 0.75 * x[6] + 0.5]),
         ),
         comparison(
-            "horizon_turn",
-            "let c = horizon_turn(vec2f(x[0], x[1]), vec2f(x[2], x[3])); y[0] = c.x; y[1] = c.y;",
-            spread(500, &[(-1.0, 1.0); 4]),
-            2e-7,
-            Box::new(|x| vec![x[0] * x[2] - x[1] * x[3], x[0] * x[3] + x[1] * x[2]]),
-        ),
-        comparison(
             "horizon_terms",
             call(format!("let step = vec2f(cos(0.0) * x[9], x[8]); let c = horizon_terms({eight}, 0.0, vec2f(1.0, 0.0), step); y[0] = c.x; y[1] = c.y;")),
             terms.into_iter().map(|x| [&x[..8], &[x[8].sin(), x[8].cos()]].concat()).collect(),
             2e-6,
-            Box::new(|x| {
+            Box::new(move |x| {
                 let ((re, im), angle_rad) = (numbers(x), x[8].atan2(x[9]));
                 let sum = |f: &dyn Fn(f64, usize) -> f64| (0..4).map(|k| f(k as f64 * angle_rad, k)).sum::<f64>();
                 vec![
@@ -133,67 +209,176 @@ fn comparisons(map: &HorizonMap) -> Vec<Comparison> {
                 ]
             }),
         ),
-        // A constant term alone: the mean, which is the first texel's first real part.
+        // The sum of the first texel's real parts: its four terms at azimuth 0.
         comparison(
             "horizon_coefficients",
-            call(format!("let g = {grid}; y[0] = horizon_coefficients(g, g.offset_0, 0u, vec2f(x[0], x[1])).re.x;")),
-            places(),
-            1e-6,
-            Box::new(move |x| vec![first.horizon(DVec2::new(x[0], x[1])).mean_rad]),
-        ),
-        comparison(
-            "horizon_elevation",
-            call(format!("y[0] = horizon_elevation({grid}, vec2f(x[0], x[1]), vec2f(x[2], x[3])).x;")),
-            places(),
-            5e-6,
-            Box::new(move |x| vec![elevation(x).0]),
-        ),
-        comparison(
-            "horizon_elevation",
-            call(format!("y[0] = horizon_elevation({grid}, vec2f(x[0], x[1]), vec2f(x[2], x[3])).y;")),
-            places(),
-            5e-5,
-            Box::new(move |x| vec![slope(x).1]),
+            call(format!("let g = {grid}; y[0] = dot(horizon_coefficients(g, g.offset_0, 0u, vec2f(x[0], x[1])).re, vec4f(1.0));")),
+            places(true),
+            2e-6,
+            Box::new(move |x| {
+                let mut map = first.clone();
+                map.levels.truncate(1);
+                map.encoding = Encoding::F4;
+                vec![map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::Y).0]
+            }),
         ),
     ]
 }
 
+fn samples(map: &HorizonMap) -> Vec<Comparison> {
+    let count = map.encoding.samples();
+    let sector_rad = TAU / count as f64;
+    let texel = |map: &HorizonMap, index: usize| {
+        let words = map.levels[0].texel(index % COLUMNS, index / COLUMNS).to_vec();
+        move |sample: usize| f64::from(unpack(words[sample / 2])[sample % 2])
+    };
+    let numbers: Vec<Vec<f32>> =
+        (0..COLUMNS * ROWS).flat_map(|i| (0..count).map(move |sample| vec![i as f32, sample as f32])).collect();
+    let (one, four) = (map.clone(), map.clone());
+    vec![
+        comparison(
+            "horizon_place",
+            "let p = horizon_place(vec2f(x[0], x[1])); y[0] = p.x + p.y;",
+            spread(3000, &[(1e-4, TAU as f32 - 1e-4)]).into_iter().map(|x| vec![x[0].cos(), x[0].sin()]).collect(),
+            4e-6,
+            Box::new(move |x| vec![x[1].atan2(x[0]).rem_euclid(TAU) / sector_rad]),
+        ),
+        comparison(
+            "horizon_sample",
+            "y[0] = horizon_sample(0u, u32(x[0]), u32(x[1]));",
+            numbers.clone(),
+            1e-9,
+            Box::new(move |x| vec![texel(&one, x[0] as usize)(x[1] as usize)]),
+        ),
+        // Of four texels in a row, the first and the last half as far from the point as the others.
+        comparison(
+            "horizon_sampled",
+            "let i = min(u32(x[0]), 1000u); y[0] = horizon_sampled(0u, HorizonCell(vec4u(i, i + 1u, i + 2u, i + 3u), vec2f(0.5, 0.25)), u32(x[1]));",
+            numbers,
+            1e-7,
+            Box::new(move |x| {
+                let index = (x[0] as usize).min(1000);
+                let shares = [0.375, 0.375, 0.125, 0.125];
+                vec![(0..4).map(|i| shares[i] * texel(&four, index + i)(x[1] as usize)).sum()]
+            }),
+        ),
+    ]
+}
+
+fn water(map: &HorizonMap) -> Vec<Comparison> {
+    let grid = grid(map);
+    let words = map.levels[0].words_per_texel;
+    // A word as two halves, which f32 holds exactly.
+    let texels: Vec<Vec<f32>> = (0..COLUMNS * ROWS).map(|i| vec![i as f32]).collect();
+    let halves_of = |map: &HorizonMap| {
+        let map = map.clone();
+        move |x: &[f64]| {
+            let index = x[0] as usize;
+            let texel = map.levels[0].texel(index % COLUMNS, index / COLUMNS);
+            texel.iter().flat_map(|word| [f64::from(word & 0xffff), f64::from(word >> 16)]).collect::<Vec<_>>()
+        }
+    };
+    let one = map.clone();
+    let codes = (0..COLUMNS * ROWS).flat_map(|i| (0..7 * words).map(move |field| vec![i as f32, field as f32]));
+    let (coded, first) = (map.clone(), map.clone());
+    // Of the table's entries, the first of which says so itself.
+    let ends = [1 + map.fields[0].len(), 1 + map.fields[0].len() + map.fields[1].len()];
+    vec![
+        comparison(
+            "horizon_words",
+            call(format!(
+                "let w = horizon_words(0u, u32(x[0])); for (var i = 0u; i < {words}u; i++) {{ y[2u * i] = f32(w[i] & 0xffffu); y[2u * i + 1u] = f32(w[i] >> 16u); }}"
+            )),
+            texels,
+            1e-9,
+            Box::new(halves_of(&one)),
+        ),
+        comparison(
+            "horizon_code",
+            call(format!(
+                "let g = {grid}; y[0] = horizon_code(horizon_words(0u, u32(x[0])), horizon_texel(g.table + 1u + u32(x[1])).x);"
+            )),
+            codes.collect(),
+            1e-9,
+            Box::new(move |x| {
+                let (index, field) = (x[0] as usize, coded.fields[0][x[1] as usize]);
+                let word = coded.levels[0].texel(index % COLUMNS, index / COLUMNS)[field.word];
+                let bits = (word >> field.shift) & ((1 << field.width) - 1);
+                // Two's complement, as the definition says it.
+                vec![f64::from(bits) - if bits >> (field.width - 1) == 1 { f64::from(1 << field.width) } else { 0.0 }]
+            }),
+        ),
+        comparison(
+            "horizon_page",
+            call(format!(
+                "let g = {grid}; y[0] = horizon_page(g, 1u, g.offset_1, vec2u({}u, {}u), vec2f(x[0], x[1]), vec2f(x[3], x[2])).x;",
+                ends[0], ends[1]
+            )),
+            places(true),
+            3e-6,
+            Box::new(move |x| {
+                let mut map = first.clone();
+                for page in [0, 2, 3] {
+                    map.fields[page].clear();
+                }
+                vec![map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3])).0]
+            }),
+        ),
+    ]
+}
+
+fn comparisons(map: &HorizonMap) -> Vec<Comparison> {
+    let own = match map.encoding.family() {
+        Family::Halves => halves(map),
+        Family::Samples => samples(map),
+        Family::Fields => water(map),
+    };
+    shared(map).into_iter().chain(own).chain(whole(map)).collect()
+}
+
 #[test]
-fn skylines_on_the_device_are_those_of_the_series() {
+fn skylines_on_the_device_are_those_of_the_decoders() {
     let Some(gpu) = gpu() else { return };
-    for encoding in [Encoding::Fm16, Encoding::F16] {
+    for encoding in Encoding::ALL {
         let map = map(encoding);
         for comparison in comparisons(&map) {
             let outcome = comparison.check(&comparison.run(gpu, &shader(&map)));
-            println!("{encoding:?} {}", outcome.unwrap_or_else(|error| panic!("{encoding:?} {error}")));
+            println!("{encoding} {}", outcome.unwrap_or_else(|error| panic!("{encoding} {error}")));
         }
     }
 }
 
 #[test]
-fn every_function_of_the_series_has_a_comparison() {
-    let source =
-        shader(&map(Encoding::F16)).source + "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
-    let map = map(Encoding::F16);
-    let compared: Vec<_> = comparisons(&map).iter().map(|comparison| comparison.function).collect();
-    let missing: Vec<_> = functions(&source)
-        .into_iter()
-        .filter(|name| name != "horizon_texel" && !compared.contains(&name.as_str()))
-        .collect();
-    assert!(missing.is_empty(), "without a comparison: {missing:?}");
+fn every_function_of_the_decoders_has_a_comparison() {
+    for encoding in [Encoding::F16, Encoding::Raw12, Encoding::W16] {
+        let map = map(encoding);
+        let source = shader(&map).source + "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
+        let compared: Vec<_> = comparisons(&map).iter().map(|comparison| comparison.function).collect();
+        let missing: Vec<_> = functions(&source)
+            .into_iter()
+            .filter(|name| name != "horizon_texel" && !compared.contains(&name.as_str()))
+            .collect();
+        assert!(missing.is_empty(), "{encoding} without a comparison: {missing:?}");
+    }
 }
 
-/// The sign of the imaginary part, the half texel, the order in the slope.
+/// Signs, the half texel, the order in the slope, neighbours in a word.
 #[test]
-fn mistakes_in_the_series_are_noticed() {
+fn mistakes_in_the_decoders_are_noticed() {
     let Some(gpu) = gpu() else { return };
-    let map = map(Encoding::Fm16);
     let mistakes = [
-        ("dot(coefficients.re, cosines) - dot", "dot(coefficients.re, cosines) + dot"),
-        ("(grid + 0.5) / scale - 0.5", "grid / scale"),
-        ("let step = towards.yx", "let step = towards.xy"),
+        (Encoding::Fm16, "dot(coefficients.re, cosines) - dot", "dot(coefficients.re, cosines) + dot"),
+        (Encoding::Fm16, "(grid + 0.5) / scale - 0.5", "grid / scale"),
+        (Encoding::Fm16, "let step = towards.yx", "let step = towards.xy"),
+        (Encoding::Raw12, "index % 2u == 1u", "index % 2u == 0u"),
+        (Encoding::Raw16, "(index + 1u) % HORIZON_SAMPLES", "index + 1u"),
+        (Encoding::W21, "-f32(order) * wave.y", "-wave.y"),
+        (Encoding::W21, "vec2f(turned.y, -turned.x)", "vec2f(turned.y, turned.x)"),
+        (Encoding::W16, "vec4u(low.zw, high.xy)", "vec4u(low.zw, low.xy)"),
+        (Encoding::W11, "f32(i32(words", "f32((words"),
     ];
-    for (right, wrong) in mistakes {
+    for (encoding, right, wrong) in mistakes {
+        let map = map(encoding);
         let mut shader = shader(&map);
         assert!(shader.source.contains(right), "{right}");
         shader.source = shader.source.replace(right, wrong);

@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use perilune::horizon::SERIES_WGSL;
+use perilune::horizon::Encoding;
 use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
 use perilune::render::layout::{
     BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters,
@@ -42,7 +42,7 @@ fn reflectance_parameters_lie_as_the_shader_reads_them() {
 
 #[test]
 fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
-    let source = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
+    let source = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &Encoding::Fm16.wgsl()].concat();
     let hosts = [
         (
             "ViewParameters",
@@ -57,7 +57,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
         (
             "MapLevel",
             host!(MapLevel: base camera south_west_m posting_m columns rows mips heights_offset maxima_offset horizon
-                face has_horizon horizon_halving padding),
+                face has_horizon horizon_table padding),
         ),
         ("LightParameters", host!(LightParameters: direction radius_rad irradiance_w_m2 padding)),
         ("Pixel", host!(PixelOut: radiance irradiance fraction hit)),
@@ -70,9 +70,9 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
 
 #[test]
 fn the_parameters_of_baking_lie_as_the_shader_reads_them() {
-    let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_halving
+    let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_table
         horizon);
-    assert_eq!(layout(&[BAKE_SHADER, SERIES_WGSL].concat(), "BakeParameters"), host);
+    assert_eq!(layout(&[BAKE_SHADER, &Encoding::Fm16.wgsl()].concat(), "BakeParameters"), host);
 }
 
 #[test]

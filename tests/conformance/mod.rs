@@ -9,6 +9,7 @@ mod photometry;
 mod render;
 pub mod scenarios;
 mod skylines;
+mod vectors;
 
 use std::sync::OnceLock;
 

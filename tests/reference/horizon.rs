@@ -1,4 +1,5 @@
 //! Horizons against closed forms, against other programs, and the fast ones against the believed ones.
+mod bound;
 mod closed_forms;
 mod exact;
 mod programs;

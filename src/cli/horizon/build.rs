@@ -3,14 +3,13 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use perilune::geometry::Geodetic;
-use perilune::horizon::{self, ErrorStatistics};
+use perilune::horizon::{self, Encoding, ErrorStatistics};
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground, Tile};
 use serde_json::{Value as Json, json};
 
-use super::levels::{self, encoding_name};
+use super::levels;
 use crate::cli::bars::Bars;
 use crate::cli::{Outcome, place, say};
 
@@ -39,30 +38,15 @@ pub struct Args {
     /// How skylines are looked for: sweep, the fast one; exact, right to the last digit of f32
     #[arg(long, value_enum, default_value_t)]
     method: Method,
-    /// 16 coefficients: fm16 at falling resolutions (21 bytes a node), f16 all at full resolution (64 bytes)
-    #[arg(long, value_enum, default_value_t)]
+    /// fm4, fm8, fm12, fm16: coefficients as half floats at falling resolutions; f4, f8, f12, f16: at full
+    /// resolution; raw8, raw12, raw16: sampled azimuths; w11, w16, w21: a water-filled pyramid of that many bytes a node
+    #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Print JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     levels: levels::Args,
-}
-
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum Encoding {
-    #[default]
-    Fm16,
-    F16,
-}
-
-impl From<Encoding> for horizon::Encoding {
-    fn from(encoding: Encoding) -> Self {
-        match encoding {
-            Encoding::Fm16 => Self::Fm16,
-            Encoding::F16 => Self::F16,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -103,7 +87,7 @@ pub fn run(args: Args) -> Outcome {
         all.push(facts);
         Ok(())
     };
-    ground::horizons(&ground.surface, &settings, args.encoding.into(), &output, &bars, finished)?;
+    ground::horizons(&ground.surface, &settings, args.encoding, &output, &bars, finished)?;
     bars.clear();
     if args.json {
         say(format_args!("{:#}", Json::from(all)))?;
@@ -124,7 +108,7 @@ fn facts(ground: &Ground, settings: &horizon::Settings, tile: &Tile) -> Result<J
         "rows": tile.map.rows,
         "posting_m": level.posting_m,
         "azimuths": settings.azimuths,
-        "encoding": encoding_name(tile.map.encoding),
+        "encoding": tile.map.encoding,
         "bytes": std::fs::metadata(&tile.path)?.len(),
         "built_s": tile.built_s,
         "samples_per_s": tile.built_s.map(|seconds| samples / seconds),

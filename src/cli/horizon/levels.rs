@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use perilune::ephemeris::{Almanac, default_kernel_folder};
 use perilune::geometry::{Body, Geodetic};
+use perilune::horizon::Request;
 use perilune::horizon::store::Header;
-use perilune::horizon::{Encoding, Request};
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground};
 use perilune::scenario::{self, Dem};
@@ -127,12 +127,4 @@ pub fn find(ground: &Ground, tile: &Path, header: &Header) -> Result<(usize, usi
 pub fn metres(text: &str) -> Result<f64, String> {
     let number = text.parse().map_err(|_| "want a number of metres".to_owned())?;
     if number > 0.0 && f64::is_finite(number) { Ok(number) } else { Err("want more than 0 m".into()) }
-}
-
-/// Name of an encoding, as its argument.
-pub fn encoding_name(encoding: Encoding) -> &'static str {
-    match encoding {
-        Encoding::Fm16 => "fm16",
-        Encoding::F16 => "f16",
-    }
 }

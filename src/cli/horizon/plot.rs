@@ -10,6 +10,7 @@ const HEIGHT: f64 = 360.0;
 const MARGINS: [f64; 4] = [64.0, 40.0, 20.0, 48.0];
 const DECODED: &str = "#c2410c";
 const TRACED: &str = "#1d4ed8";
+const BOUND: &str = "#fde8d8";
 
 /// Elevations shown, with the distance of the lines between.
 struct Scale {
@@ -19,8 +20,9 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(rows: &[Row]) -> Self {
-        let values = || rows.iter().flat_map(|row| row.traced.into_iter().chain([row.decoded]));
+    fn of(rows: &[Row], bound: f64) -> Self {
+        let around = |decoded: f64| [decoded - bound, decoded + bound];
+        let values = || rows.iter().flat_map(|row| row.traced.into_iter().chain(around(row.decoded)));
         let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         // About six lines, a round number of degrees apart.
         let rough = ((high - low) / 6.0).max(1e-3);
@@ -41,8 +43,8 @@ fn x(azimuth: f64) -> f64 {
 }
 
 /// The picture as text.
-pub fn svg(title: &str, rows: &[Row]) -> String {
-    let scale = Scale::of(rows);
+pub fn svg(title: &str, rows: &[Row], bound: Option<f64>) -> String {
+    let scale = Scale::of(rows, bound.unwrap_or(0.0));
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" \
          font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
@@ -52,6 +54,10 @@ pub fn svg(title: &str, rows: &[Row]) -> String {
     grid(&mut svg, &scale);
     let traced: Vec<_> = rows.iter().filter_map(|row| Some((row.azimuth, row.traced?))).collect();
     let decoded: Vec<_> = rows.iter().map(|row| (row.azimuth, row.decoded)).collect();
+    if let Some(bound) = bound {
+        band(&mut svg, &scale, &decoded, bound);
+        legend(&mut svg, WIDTH - 290.0, "within bound", BOUND);
+    }
     if !traced.is_empty() {
         curve(&mut svg, &scale, &traced, TRACED);
         legend(&mut svg, WIDTH - 180.0, "traced", TRACED);
@@ -91,6 +97,16 @@ fn grid(svg: &mut String, scale: &Scale) {
         x(180.0),
         HEIGHT - 10.0
     );
+}
+
+/// All that lies within the bound of the decoded skyline.
+fn band(svg: &mut String, scale: &Scale, decoded: &[(f64, f64)], bound: f64) {
+    let closed: Vec<_> = decoded.iter().copied().chain(decoded.first().map(|first| (360.0, first.1))).collect();
+    let above = closed.iter().map(|(azimuth, elevation)| (*azimuth, elevation + bound));
+    let below = closed.iter().rev().map(|(azimuth, elevation)| (*azimuth, elevation - bound));
+    let point = |(azimuth, elevation): (f64, f64)| format!("{:.2},{:.2}", x(azimuth), scale.y(elevation));
+    let points: Vec<String> = above.chain(below).map(point).collect();
+    let _ = writeln!(svg, "<polygon fill=\"{BOUND}\" points=\"{}\"/>", points.join(" "));
 }
 
 /// The first azimuth again at the end: the skyline is closed.

@@ -96,19 +96,21 @@ pub fn run(args: Args) -> Outcome {
     };
     // The grace keeps 360 out where the step divides it but for rounding.
     let count = (360.0 / args.azimuth_step - 1e-9).ceil() as usize;
+    let bound = map.bound_rad(place.grid).map(f64::to_degrees);
     let rows: Vec<Row> = (0..count).map(|index| row(index as f64 * args.azimuth_step)).collect();
     if let Some(path) = &args.plot {
         let title = format!("Skyline at {} (latitude, longitude east)", degrees(args.at));
-        std::fs::write(path, plot::svg(&title, &rows))
+        std::fs::write(path, plot::svg(&title, &rows, bound))
             .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
-    if args.json { print_json(&rows) } else { print_table(&rows) }
+    if args.json { print_json(&rows, bound) } else { print_table(&rows, bound) }
 }
 
-fn print_json(rows: &[Row]) -> Outcome {
+fn print_json(rows: &[Row], bound: Option<f64>) -> Outcome {
     let object = |row: &Row| {
         json!({
             "azimuth_deg": row.azimuth, "map_azimuth_deg": row.map_azimuth, "decoded_deg": row.decoded,
+            "bound_deg": bound,
             "traced_deg": row.traced, "distance_m": row.distance_m,
         })
     };
@@ -118,7 +120,11 @@ fn print_json(rows: &[Row]) -> Outcome {
     ))?)
 }
 
-fn print_table(rows: &[Row]) -> Outcome {
+fn print_table(rows: &[Row], bound: Option<f64>) -> Outcome {
+    match bound {
+        Some(bound) => say(format_args!("decoded within {bound:.4} deg at every azimuth, at 19 nodes of 20"))?,
+        None => say("no bound is known here")?,
+    }
     let is_traced = rows.iter().any(|row| row.traced.is_some());
     say(format_args!(
         "azimuth  map azimuth    decoded{}",

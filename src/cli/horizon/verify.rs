@@ -60,7 +60,9 @@ pub fn run(args: Args) -> Outcome {
                 "stated_error_deg": stated,
                 "repeated_error_deg": repeated, "repeated_nodes": found.repeated_pixels, "repeats": found.repeats(),
                 "drawn_error_deg": drawn, "drawn_nodes": found.drawn_pixels, "seed": found.seed,
-                "deviations": found.deviations, "agrees": found.agrees(),
+                "stated_beyond_bound": [header.errors.bound.nodes_beyond, header.errors.bound.samples_beyond],
+                "repeated_beyond_bound": found.repeated_beyond, "drawn_beyond_bound": found.drawn_beyond,
+                "allowed_beyond_bound": found.allowed_beyond(), "deviations": found.deviations, "agrees": found.agrees(),
             })
         ))?;
     } else {
@@ -73,14 +75,34 @@ pub fn run(args: Args) -> Outcome {
         ))?;
         let drawn_name = format!("{} nodes drawn with seed {}", found.drawn_pixels, found.seed);
         say(format_args!("  {drawn_name:<34}{}", row(&drawn)))?;
-        say(format_args!("  the draw lies {:.1} standard deviations from the stated sample", found.deviations))?;
+        say(format_args!("nodes beyond their bound at any azimuth (samples)"))?;
+        let beyond = |[nodes, samples]: [usize; 2]| format!("{nodes} ({samples})");
+        let bound = &header.errors.bound;
+        say(format_args!("  {:<34}{}", "stated", beyond([bound.nodes_beyond, bound.samples_beyond])))?;
+        say(format_args!("  {:<34}{}", "traced anew", beyond(found.repeated_beyond)))?;
+        say(format_args!(
+            "  {drawn_name:<34}{}, {} nodes allowed",
+            beyond(found.drawn_beyond),
+            found.allowed_beyond()
+        ))?;
+        say(format_args!(
+            "the draw's mean square error lies {:.1} standard deviations from the stated sample",
+            found.deviations
+        ))?;
     }
     let tile = args.tile.display();
-    if !found.repeats() {
-        return Err(format!("{tile} states errors that its own nodes do not have").into());
+    if let Some((figure, stated, repeated)) = found.contradiction() {
+        let figures = format!("{figure} is stated as {stated:.6}, found as {repeated:.6}");
+        return Err(format!("{tile} states errors that its own nodes do not have: {figures}").into());
+    }
+    if found.drawn_beyond[0] > found.allowed_beyond() {
+        let [nodes, _] = found.drawn_beyond;
+        let (drawn, allowed) = (found.drawn_pixels, found.allowed_beyond());
+        let counts = format!("{nodes} of {drawn} nodes lie beyond them, at most {allowed} may");
+        return Err(format!("{tile} states bounds that other nodes do not keep: {counts}").into());
     }
     if !found.agrees() {
-        return Err(format!("{tile} states errors that other nodes do not have").into());
+        return Err(format!("{tile} states errors that other nodes do not have: rms").into());
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use crate::evaluate::{Error, Table, Value};
 use crate::horizon::{self, Encoding, Request, Settings};
 use crate::pipeline::Progress;
 
-pub const ENCODINGS: [Encoding; 2] = [Encoding::Fm16, Encoding::F16];
+pub const ENCODINGS: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
 
 /// The table that [`tile`] fills.
 pub fn table() -> Table {
@@ -32,11 +32,6 @@ pub fn table() -> Table {
     )
 }
 
-/// The name of an encoding in the tables.
-pub fn label(encoding: Encoding) -> String {
-    format!("{encoding:?}").to_lowercase()
-}
-
 /// What a tile decodes to, and its row of the table.
 pub fn tile(
     scene: &Scene,
@@ -46,7 +41,7 @@ pub fn tile(
     progress: &dyn Progress,
 ) -> Result<(Profiles, Vec<Value>), Error> {
     let folder = Scratch::new()?;
-    progress.begin(&format!("{encoding:?} of {}", scene.name), settings.azimuths, "azimuths");
+    progress.begin(&format!("{encoding} of {}", scene.name), settings.azimuths, "azimuths");
     forget_peak_memory();
     let start = Instant::now();
     let heard = |done: usize, total: usize| progress.at(done, total);
@@ -57,12 +52,11 @@ pub fn tile(
 
     let receivers = scene.receivers() as f64;
     let samples = receivers * settings.azimuths as f64;
-    let texels: usize = map.levels.iter().map(|level| level.texels.len()).sum();
-    let in_memory = (texels * size_of::<[u32; 4]>()) as f64 / receivers;
+    let in_memory = map.bytes() as f64 / receivers;
     let on_disk = folder.bytes() as f64 / receivers;
     let row = vec![
         scene.name.as_str().into(),
-        label(encoding).as_str().into(),
+        encoding.name().into(),
         seconds.into(),
         (samples / seconds * 1e-6).into(),
         in_memory.into(),

@@ -47,7 +47,7 @@ fn of_nodes(grid: &Grid, twists_m: &[f32], ray: &Ray) -> Vec<f32> {
     let mut maxima_m = grid.heights_m.clone();
     let length = grid.stride - 3;
     for u in 0..grid.majors {
-        let row = grid.at(u, 0) - grid.pad();
+        let row = grid.at(u, 0) - grid.pad;
         // Cells before and behind the row, of this column and its neighbours.
         let [below, above] = [row - grid.stride, row].map(|start| &twists_m[start..start + grid.stride]);
         let heights_m = &grid.heights_m[row..row + grid.stride];
@@ -78,7 +78,7 @@ fn longer(grid: &Grid, ray: &Ray, shorter: &[f32], step: usize, count: usize) ->
 #[inline(always)]
 fn longer_plain(grid: &Grid, ray: &Ray, shorter: &[f32], step: usize, count: usize) -> Vec<f32> {
     let mut maxima_m = shorter.to_vec();
-    let row = |u: isize| grid.at(0, 0) as isize - grid.pad() as isize + u * grid.stride as isize;
+    let row = |u: isize| grid.at(0, 0) as isize - grid.pad as isize + u * grid.stride as isize;
     for u in 0..grid.majors as isize {
         let start = row(u) as usize;
         let out = &mut maxima_m[start..start + grid.stride];

@@ -40,7 +40,7 @@ pub struct Grid {
     pub majors: usize,
     pub minors: usize,
     pub stride: usize,
-    pad: usize,
+    pub pad: usize,
     pub posting_m: f64,
     /// Map (major, minor) coordinates of node (0, 0).
     pub origin_m: DVec2,

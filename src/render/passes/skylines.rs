@@ -4,7 +4,6 @@ use wgpu::{Buffer, ComputePipeline};
 
 use super::upload::{DeviceGround, fits};
 use crate::gpu::Gpu;
-use crate::horizon::SERIES_WGSL;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
 use crate::shadow::{HeldLight, Skylines};
@@ -43,9 +42,10 @@ impl DeviceSkylines {
             texels += (level.shader.columns as usize * level.shader.rows as usize).div_ceil(PER_TEXEL);
         }
         fits::<[u32; 4]>(gpu, "skylines", lights * texels, 1)?;
-        let shader = [SHADER, SERIES_WGSL].concat();
+        let shader = [SHADER, &ground.encoding.wgsl()].concat();
+        let constants = [&ground.pages[..], &ground.encoding.constants()].concat();
         let bake = match scene.shadows {
-            Shadows::Baked(_) => Some(gpu.compute("bake", &shader, "main", &ground.pages)?),
+            Shadows::Baked(_) => Some(gpu.compute("bake", &shader, "main", &constants)?),
             _ => None,
         };
         Ok(Self { bake, starts, texels, host: Skylines::default(), made: None })

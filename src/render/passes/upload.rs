@@ -30,6 +30,8 @@ pub struct DeviceGround {
     pub maxima: Buffer,
     pub albedos: Buffer,
     pub texels: [Buffer; TEXEL_PAGES],
+    /// That of all horizon maps: a pipeline decodes one.
+    pub encoding: Encoding,
     /// `override` values that go with the texels, and with the gradients.
     pub pages: [(&'static str, f64); 2],
     pub constants: [(&'static str, f64); 2],
@@ -57,6 +59,11 @@ impl DeviceGround {
                 store.add(&scene.surface, face, level, horizon, albedo);
             }
         }
+        let encodings = horizons.iter().flat_map(|maps| maps.iter().flatten()).map(|map| map.encoding);
+        let encoding = encodings.clone().next().unwrap_or_default();
+        if let Some(other) = encodings.clone().find(|other| *other != encoding) {
+            return Err(RenderError::Encodings { first: encoding, other });
+        }
         let (texel_bits, gradient_bits) = (page_bits::<[u32; 4]>(gpu), page_bits::<[f32; 2]>(gpu));
         let more_gradients = store.gradients.len() > 1 << gradient_bits;
         Ok(Self {
@@ -65,6 +72,7 @@ impl DeviceGround {
             maxima: gpu.storage("maxima", checked(gpu, "maxima", &store.maxima_m, 1)?),
             albedos: gpu.storage("albedos", checked(gpu, "albedos", &store.albedos, 1)?),
             texels: pages(gpu, "horizon maps", &store.texels)?,
+            encoding,
             pages: [
                 ("PAGES", store.texels.len().div_ceil(1 << texel_bits).max(1) as f64),
                 ("PAGE_BITS", f64::from(texel_bits)),
@@ -78,13 +86,15 @@ impl DeviceGround {
     }
 
     /// Whether an adapter can hold a terrain, with horizon maps or without: asked before hours go into those.
-    pub fn check(gpu: &Gpu, terrain: &Terrain, horizons: bool) -> Result<(), RenderError> {
+    pub fn check(gpu: &Gpu, terrain: &Terrain, horizons: Option<Encoding>) -> Result<(), RenderError> {
         let seen = |level: &Level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin);
         let nodes: usize = terrain.faces.iter().flat_map(|face| &face.levels).map(seen).sum();
-        // Mips add a third to the cells; resolution levels a third to the texels of four coefficients.
+        // Mips add a third to the cells.
         fits::<f32>(gpu, "maxima", nodes + nodes / 3, 1)?;
         fits::<[f32; 2]>(gpu, "gradients", nodes, GRADIENT_PAGES)?;
-        if horizons { fits::<[u32; 4]>(gpu, "horizon maps", nodes + nodes / 3, TEXEL_PAGES) } else { Ok(()) }
+        let Some(encoding) = horizons else { return Ok(()) };
+        let texels = (nodes as f64 * encoding.bytes_per_pixel() / 16.0) as usize;
+        fits::<[u32; 4]>(gpu, "horizon maps", texels, TEXEL_PAGES)
     }
 }
 
@@ -125,11 +135,9 @@ impl Store {
         }
         if let Some(map) = horizon {
             shader.has_horizon = 1;
-            shader.horizon_halving = u32::from(map.encoding == Encoding::Fm16);
-            for (offset, texels) in shader.horizon.iter_mut().zip(&map.levels) {
-                *offset = self.texels.len() as u32;
-                self.texels.extend(&texels.texels);
-            }
+            let grid = map.append_to(&mut self.texels);
+            shader.horizon = [grid.offset_0, grid.offset_1, grid.offset_2, grid.offset_3];
+            shader.horizon_table = grid.table;
         }
         self.levels.push(PackedLevel { shader, face, level });
     }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::horizon::Encoding;
+
 /// The body that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -140,7 +142,7 @@ pub enum Horizon {
         #[serde(default)]
         #[schemars(range(min = 0.0, max = 1000.0))]
         observer_height_m: f64,
-        /// How the coefficients are stored.
+        /// How they are stored.
         #[serde(default)]
         encoding: Encoding,
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
@@ -152,19 +154,11 @@ pub enum Horizon {
     },
 }
 
-/// 360 samples are what the 16 coefficients of `fm16` are fitted to (Fritsch 2025).
+/// As in Fritsch 2025; the 31 harmonics of the default encoding need 63.
 pub const DEFAULT_AZIMUTHS: u32 = 360;
 
 fn default_azimuths() -> u32 {
     DEFAULT_AZIMUTHS
-}
-
-/// How horizon coefficients are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum Encoding {
-    /// 16 complex coefficients as half floats over four resolution levels (Fritsch 2025).
-    #[default]
-    Fm16,
 }
 
 /// How shadows are cast.

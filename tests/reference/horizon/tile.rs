@@ -32,9 +32,11 @@ fn request(face: &Face) -> Request<'_> {
 fn a_tile_read_back_is_the_tile_that_was_built() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(101, 20.0, 1);
-    for encoding in [Encoding::Fm16, Encoding::F16] {
-        let built = build(&Request { encoding, ..request(&face) }, directory.path(), &|_, _| ()).unwrap();
-        let key = Request { encoding, ..request(&face) }.key();
+    for encoding in Encoding::ALL {
+        let settings = Settings { azimuths: 64, ..settings() };
+        let request = Request { encoding, settings, ..request(&face) };
+        let built = build(&request, directory.path(), &|_, _| ()).unwrap();
+        let key = request.key();
         let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
         assert!(read == built);
         assert_eq!(header.key, key);
@@ -42,10 +44,11 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
         assert!(built.errors.decoded.rms_rad > built.errors.swept.rms_rad);
         assert_eq!(
             built.levels.iter().map(|l| l.columns).collect::<Vec<_>>(),
-            encoding.scales().map(|s| 101_usize.div_ceil(s))
+            encoding.pages().iter().map(|page| 101_usize.div_ceil(page.scale)).collect::<Vec<_>>()
         );
     }
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2, "nothing but the tiles is left behind");
+    let files = fs::read_dir(directory.path()).unwrap().count();
+    assert_eq!(files, Encoding::ALL.len(), "nothing but the tiles is left behind");
 }
 
 /// About a light as high as that over the pole.

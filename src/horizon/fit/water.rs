@@ -1,0 +1,271 @@
+//! Bits for coefficients: reverse water-filling over a pyramid.
+//!
+//! From the coarsest page to the finest, what the coarser pages leave of the coefficients' box means is quantised:
+//!
+//! ```text
+//! r_s = mean over the box of c − Σ coarser pages at the box's centre      r_s ≈ offset + step · code
+//! ```
+//!
+//! A page has `32 w` bits a texel. They go one by one (two or three at once where one alone gains nothing) to the
+//! coefficient whose mean square error falls most for a bit, as reverse water-filling does for Gaussian ones, but by
+//! errors measured on the texels themselves: for each coefficient and each number of bits the step is the best of a
+//! few, so that rare large values are clipped if that pays. An error of a coarse page that the next finer one
+//! quantises with `b` bits shrinks by `2^−b` there; the coarse one's errors are weighed by what is left of them, which
+//! needs the finer pages' bits: the pyramid is filled twice.
+//!
+//! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
+//!
+//! # References
+//! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3. Burt & Adelson (1983), *The Laplacian pyramid as a
+//! compact image code*, doi:10.1109/TCOM.1983.1095851.
+
+use rayon::prelude::*;
+
+use super::Group;
+use crate::horizon::pack::{Encoding, Field, Page, Texels};
+
+/// Most bits of a field.
+const MAX_WIDTH: usize = 9;
+/// Texels that errors are measured on.
+const MEASURED: usize = 2048;
+/// Steps tried: so many, over so many octaves up from the smallest, which is this share of the deviation over the number of codes.
+const STEPS: usize = 14;
+const SMALLEST_STEP: f32 = 1.2;
+const OCTAVES: f32 = 2.8;
+/// Times that the pyramid is filled.
+const ROUNDS: usize = 2;
+/// An error is never thought to vanish in finer pages.
+const LEAST_WEIGHT: f64 = 1e-4;
+
+/// How a coefficient is quantised with some number of bits, and the mean square error then.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    step_rad: f32,
+    offset_rad: f32,
+    error_rad2: f64,
+}
+
+/// Box means of all coefficients at one page's resolution, `[row][real][column]`.
+type Means = Group;
+
+/// Texels and fields of the pyramid for coefficients at full resolution.
+pub fn pyramid(encoding: Encoding, sums: &Group) -> (Vec<Texels>, Vec<Vec<Field>>) {
+    let pages = encoding.pages();
+    let coarse: Vec<Means> = pages[1..].iter().map(|page| box_means(sums, page.scale)).collect();
+    let means = |page: usize| if page == 0 { sums } else { &coarse[page - 1] };
+    let mut weights = vec![base_weights(sums.reals); pages.len()];
+    let mut outcome = (Vec::new(), Vec::new());
+    for round in 0..ROUNDS {
+        let mut coarser: Vec<Means> = Vec::new();
+        let mut levels = Vec::new();
+        let mut fields: Vec<Vec<Field>> = Vec::new();
+        for page in (0..pages.len()).rev() {
+            let residual = Residual { means: means(page), coarser: &coarser };
+            let table = allocate(&residual, &weights[page], 32 * pages[page].words, pages[page].words);
+            // The finest page is the largest: written once, when the fields are final.
+            if page > 0 || round + 1 == ROUNDS {
+                let (level, decoded) = quantise(&residual, &table, pages[page], page > 0);
+                levels.insert(0, level);
+                coarser.extend(decoded);
+            }
+            fields.insert(0, table);
+        }
+        weigh(&mut weights, &fields);
+        outcome = (levels, fields);
+    }
+    outcome
+}
+
+fn base_weights(reals: usize) -> Vec<f64> {
+    // There is no b₀.
+    (0..reals).map(|real| [1.0, 0.0].get(real).copied().unwrap_or(0.5)).collect()
+}
+
+/// Weighs each page's errors by what the finer ones leave of them.
+fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
+    let mut weight = base_weights(weights[0].len());
+    for (weights, fields) in weights.iter_mut().zip(fields) {
+        weights.clone_from(&weight);
+        for field in fields {
+            let left = &mut weight[field.real];
+            *left = (*left * 0.25_f64.powi(field.width as i32)).max(LEAST_WEIGHT);
+        }
+    }
+}
+
+/// Means over boxes of `scale²` texels, as far as they lie in the map.
+fn box_means(sums: &Group, scale: usize) -> Means {
+    let (columns, rows) = (sums.columns.div_ceil(scale), sums.rows.div_ceil(scale));
+    let mut means = Group { scale, columns, rows, sums: vec![0.0; columns * rows * sums.reals], ..*sums };
+    means.sums.par_chunks_mut(columns * sums.reals).enumerate().for_each(|(row, means)| {
+        let rows = row * scale..((row + 1) * scale).min(sums.rows);
+        for (real, means) in means.chunks_mut(columns).enumerate() {
+            for row in rows.clone() {
+                for (mean, boxed) in means.iter_mut().zip(sums.row(row, real).chunks(scale)) {
+                    *mean += boxed.iter().sum::<f32>() / (boxed.len() * rows.len()) as f32;
+                }
+            }
+        }
+    });
+    means
+}
+
+/// What the coarser pages leave of a page's means.
+#[derive(Debug, Clone, Copy)]
+struct Residual<'a> {
+    means: &'a Means,
+    coarser: &'a [Means],
+}
+
+impl Residual<'_> {
+    /// One coefficient over a row of texels.
+    fn row(&self, row: usize, real: usize, residual: &mut [f32]) {
+        residual.copy_from_slice(self.means.row(row, real));
+        for page in self.coarser {
+            let (low, high, share) = corner(row, self.means.scale, page.scale, page.rows);
+            let (south, north) = (page.row(low, real), page.row(high, real));
+            for (column, residual) in residual.iter_mut().enumerate() {
+                let (west, east, x) = corner(column, self.means.scale, page.scale, page.columns);
+                let south = south[west] + x * (south[east] - south[west]);
+                let north = north[west] + x * (north[east] - north[west]);
+                *residual -= south + share * (north - south);
+            }
+        }
+    }
+}
+
+/// The two texels of a coarser page about the centre of texel `index`, and the share of the second.
+fn corner(index: usize, scale: usize, coarse: usize, count: usize) -> (usize, usize, f32) {
+    let at = ((index as f32 + 0.5) * scale as f32 / coarse as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+    let low = at.floor();
+    (low as usize, (low as usize + 1).min(count - 1), at - low)
+}
+
+/// The fields of a page of so many bits.
+fn allocate(residual: &Residual, weights: &[f64], bits: usize, words: usize) -> Vec<Field> {
+    let choices = choices(residual);
+    let gain = |real: usize, width: usize, more: usize| {
+        let [before, after] = [width, width + more].map(|width| choices[real][width].error_rad2);
+        weights[real] * (before - after) / more as f64
+    };
+    let mut widths = vec![0; choices.len()];
+    let mut left = bits;
+    let mut places = Vec::new();
+    loop {
+        let all = (0..widths.len()).flat_map(|real| (1..=3).map(move |more| (real, more)));
+        let fits = |&(real, more): &(usize, usize)| more <= left && widths[real] + more <= MAX_WIDTH;
+        let mut wanted: Vec<_> =
+            all.filter(fits).map(|(real, more)| (gain(real, widths[real], more), real, more)).collect();
+        wanted.retain(|(gain, ..)| *gain > 0.0);
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let found = wanted.into_iter().find_map(|(_, real, more)| {
+            widths[real] += more;
+            let placed = place(&widths, words);
+            if placed.is_none() {
+                widths[real] -= more;
+            }
+            placed.map(|placed| (placed, more))
+        });
+        let Some((placed, more)) = found else { break };
+        places = placed;
+        left -= more;
+    }
+    let field = |(real, &(word, shift)): (usize, &(usize, u32))| {
+        let width = widths[real];
+        let Choice { step_rad, offset_rad, .. } = choices[real][width];
+        (width > 0).then_some(Field { real, word, shift, width: width as u32, step_rad, offset_rad })
+    };
+    places.iter().enumerate().filter_map(field).collect()
+}
+
+/// Word and lowest bit for fields of such widths, none across a word, if they fit: the widest first, each into the first
+/// word with room for it.
+fn place(widths: &[usize], words: usize) -> Option<Vec<(usize, u32)>> {
+    let mut order: Vec<usize> = (0..widths.len()).filter(|real| widths[*real] > 0).collect();
+    order.sort_by_key(|real| std::cmp::Reverse(widths[*real]));
+    let mut used = vec![0; words];
+    let mut places = vec![(0, 0); widths.len()];
+    for real in order {
+        let word = (0..words).find(|word| used[*word] + widths[real] <= 32)?;
+        places[real] = (word, used[word] as u32);
+        used[word] += widths[real];
+    }
+    Some(places)
+}
+
+/// For each coefficient the best quantiser of each width from 0 on.
+fn choices(residual: &Residual) -> Vec<[Choice; MAX_WIDTH + 1]> {
+    let Means { rows, columns, reals, .. } = *residual.means;
+    // Every so many rows, and in those every so many texels.
+    let every = ((rows * columns) as f64 / MEASURED as f64).sqrt().max(1.0) as usize;
+    let chosen = |real: usize| {
+        let mut values = Vec::new();
+        let mut line = vec![0.0; columns];
+        for row in (0..rows).step_by(every) {
+            residual.row(row, real, &mut line);
+            values.extend(line.iter().copied().step_by(every));
+        }
+        quantisers(&values)
+    };
+    (0..reals).into_par_iter().map(chosen).collect()
+}
+
+fn quantisers(values_rad: &[f32]) -> [Choice; MAX_WIDTH + 1] {
+    let count = values_rad.len() as f64;
+    let mean_rad = (values_rad.iter().map(|value| f64::from(*value)).sum::<f64>() / count) as f32;
+    let square = |value: f32| f64::from(value) * f64::from(value);
+    let variance = values_rad.iter().map(|value| square(value - mean_rad)).sum::<f64>() / count;
+    let nothing = Choice { step_rad: 0.0, offset_rad: 0.0, error_rad2: variance + square(mean_rad) };
+    let constant = Choice { step_rad: 1.0, offset_rad: mean_rad, error_rad2: 0.0 };
+    let smallest_rad = SMALLEST_STEP * variance.sqrt() as f32;
+    std::array::from_fn(|width| {
+        if width == 0 {
+            return nothing;
+        }
+        if variance == 0.0 {
+            return constant;
+        }
+        let codes = (1 << width) as f32;
+        let trial = |step: usize| {
+            let step_rad = smallest_rad * (OCTAVES * step as f32 / STEPS as f32).exp2() / codes;
+            // An even number of codes about the mean: none of them is on it.
+            let offset_rad = mean_rad + 0.5 * step_rad;
+            let highest = 0.5 * codes - 1.0;
+            let error = |value: &f32| {
+                let code = ((value - mean_rad) / step_rad).floor().clamp(-highest - 1.0, highest);
+                square(offset_rad + step_rad * code - value)
+            };
+            Choice { step_rad, offset_rad, error_rad2: values_rad.iter().map(error).sum::<f64>() / count }
+        };
+        let best = (0..STEPS).map(trial).min_by(|a, b| a.error_rad2.total_cmp(&b.error_rad2));
+        best.expect("steps are tried")
+    })
+}
+
+/// The texels of a page, and what they decode to if finer pages need it.
+fn quantise(residual: &Residual, fields: &[Field], page: Page, decode: bool) -> (Texels, Option<Means>) {
+    let Means { rows, columns, reals, scale, .. } = *residual.means;
+    let quantised = |row: usize| {
+        let mut words = vec![0; columns * page.words];
+        let mut decoded = vec![0.0; if decode { columns * reals } else { 0 }];
+        let mut line = vec![0.0; columns];
+        for field in fields {
+            residual.row(row, field.real, &mut line);
+            let [lowest, highest] = field.range();
+            for (texel, value) in words.chunks_mut(page.words).zip(&mut line) {
+                let code = (((*value - field.offset_rad) / field.step_rad).round() as i32).clamp(lowest, highest);
+                field.put(texel, code);
+                *value = field.value_rad(code);
+            }
+            if decode {
+                decoded[field.real * columns..][..columns].copy_from_slice(&line);
+            }
+        }
+        (words, decoded)
+    };
+    let lines: Vec<_> = (0..rows).into_par_iter().map(quantised).collect();
+    let (words, decoded): (Vec<_>, Vec<_>) = lines.into_iter().unzip();
+    let level = Texels { columns, rows, words_per_texel: page.words, words: words.concat() };
+    let means = decode.then(|| Group { scale, first: 0, reals, rows, columns, sums: decoded.concat() });
+    (level, means)
+}

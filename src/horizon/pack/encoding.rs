@@ -1,0 +1,231 @@
+//! The encodings by name: what a page holds, at which resolution, in how many words.
+
+use std::fmt;
+use std::str::FromStr;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How horizons are stored. Bytes are per pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Encoding {
+    /// 4 complex coefficients as half floats (Fritsch 2025): 16 bytes.
+    Fm4,
+    /// 8, four of them at half the resolution: 20 bytes.
+    Fm8,
+    /// 12, four more at a quarter: 21 bytes.
+    Fm12,
+    /// 16, four more at an eighth: 21.25 bytes.
+    Fm16,
+    /// 4 complex coefficients as half floats at full resolution (Fritsch 2025): 16 bytes.
+    F4,
+    /// 8 at full resolution: 32 bytes.
+    F8,
+    /// 12 at full resolution: 48 bytes.
+    F12,
+    /// 16 at full resolution: 64 bytes.
+    F16,
+    /// Elevations at 8 azimuths as half floats (Max 1988): 16 bytes.
+    Raw8,
+    /// At 12 azimuths: 24 bytes.
+    Raw12,
+    /// At 16 azimuths: 32 bytes.
+    Raw16,
+    /// A water-filled pyramid of 31 harmonics in two words a texel: 10.6 bytes.
+    W11,
+    /// The same in three words: 15.9 bytes.
+    W16,
+    /// The same in four words: 21.25 bytes.
+    #[default]
+    W21,
+}
+
+/// Encodings in a header, by their lower-case names.
+pub mod by_name {
+    use serde::{Deserialize as _, Deserializer, Serializer, de};
+
+    use super::Encoding;
+
+    pub fn serialize<S: Serializer>(encoding: &Encoding, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(encoding.name())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Encoding, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+    }
+}
+
+/// What the words of a texel mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Four complex coefficients as half floats ([`super::half`]).
+    Halves,
+    /// Sampled elevations as half floats ([`super::raw`]).
+    Samples,
+    /// Fields of bits ([`super::water`]).
+    Fields,
+}
+
+/// A page of texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Page {
+    /// Pixels per texel side.
+    pub scale: usize,
+    /// 32-bit words per texel.
+    pub words: usize,
+}
+
+/// Highest harmonic of the water-filled pyramids.
+const WATER_HARMONICS: usize = 31;
+
+impl Encoding {
+    pub const ALL: [Self; 14] = [
+        Self::Fm4,
+        Self::Fm8,
+        Self::Fm12,
+        Self::Fm16,
+        Self::F4,
+        Self::F8,
+        Self::F12,
+        Self::F16,
+        Self::Raw8,
+        Self::Raw12,
+        Self::Raw16,
+        Self::W11,
+        Self::W16,
+        Self::W21,
+    ];
+
+    /// The name in arguments, scenarios and headers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fm4 => "fm4",
+            Self::Fm8 => "fm8",
+            Self::Fm12 => "fm12",
+            Self::Fm16 => "fm16",
+            Self::F4 => "f4",
+            Self::F8 => "f8",
+            Self::F12 => "f12",
+            Self::F16 => "f16",
+            Self::Raw8 => "raw8",
+            Self::Raw12 => "raw12",
+            Self::Raw16 => "raw16",
+            Self::W11 => "w11",
+            Self::W16 => "w16",
+            Self::W21 => "w21",
+        }
+    }
+
+    pub fn family(self) -> Family {
+        match self {
+            Self::Raw8 | Self::Raw12 | Self::Raw16 => Family::Samples,
+            Self::W11 | Self::W16 | Self::W21 => Family::Fields,
+            _ => Family::Halves,
+        }
+    }
+
+    /// All pages, the finest first.
+    pub fn pages(self) -> Vec<Page> {
+        let halves = |pages: usize, scale: fn(usize) -> usize| {
+            (0..pages).map(|page| Page { scale: scale(page), words: 4 }).collect()
+        };
+        let pyramid = |words: usize| [1, 2, 4, 8].map(|scale| Page { scale, words }).to_vec();
+        let samples = |count: usize| vec![Page { scale: 1, words: count / 2 }];
+        match self {
+            Self::Fm4 => halves(1, |page| 1 << page),
+            Self::Fm8 => halves(2, |page| 1 << page),
+            Self::Fm12 => halves(3, |page| 1 << page),
+            Self::Fm16 => halves(4, |page| 1 << page),
+            Self::F4 => halves(1, |_| 1),
+            Self::F8 => halves(2, |_| 1),
+            Self::F12 => halves(3, |_| 1),
+            Self::F16 => halves(4, |_| 1),
+            Self::Raw8 => samples(8),
+            Self::Raw12 => samples(12),
+            Self::Raw16 => samples(16),
+            Self::W11 => pyramid(2),
+            Self::W16 => pyramid(3),
+            Self::W21 => pyramid(4),
+        }
+    }
+
+    /// Sampled azimuths; 0 for a series.
+    pub fn samples(self) -> usize {
+        match self.family() {
+            Family::Samples => 2 * self.pages()[0].words,
+            Family::Halves | Family::Fields => 0,
+        }
+    }
+
+    /// Harmonics above the mean, 0 for samples.
+    pub fn harmonics(self) -> usize {
+        match self.family() {
+            Family::Halves => self.pages().len() * super::half::TEXEL_COEFFICIENTS - 1,
+            Family::Samples => 0,
+            Family::Fields => WATER_HARMONICS,
+        }
+    }
+
+    /// Fewest swept azimuths that determine all of it.
+    pub fn least_azimuths(self) -> usize {
+        self.samples().max(2 * self.harmonics() + 1)
+    }
+
+    /// Bytes per pixel of a large map in memory.
+    pub fn bytes_per_pixel(self) -> f64 {
+        self.pages().iter().map(|page| (4 * page.words) as f64 / (page.scale * page.scale) as f64).sum()
+    }
+
+    /// `horizon_elevation` in WGSL; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
+    pub fn wgsl(self) -> String {
+        let decoder = match self.family() {
+            Family::Halves => include_str!("half.wgsl"),
+            Family::Samples => include_str!("raw.wgsl"),
+            Family::Fields => include_str!("water.wgsl"),
+        };
+        [include_str!("../series.wgsl"), decoder].concat()
+    }
+
+    /// Its `override` values: a pipeline decodes one encoding.
+    pub fn constants(self) -> Vec<(&'static str, f64)> {
+        let pages = self.pages();
+        let halving = f64::from(u8::from(pages.last().is_some_and(|page| page.scale > 1)));
+        let mut constants = vec![("HORIZON_HALVING", halving)];
+        match self.family() {
+            Family::Halves => constants.push(("HORIZON_PAGES", pages.len() as f64)),
+            Family::Samples => {
+                let sector_rad = std::f64::consts::TAU / self.samples() as f64;
+                constants.push(("HORIZON_SAMPLES", self.samples() as f64));
+                constants.push(("HORIZON_SECTOR_RAD", sector_rad));
+                constants.push(("HORIZON_SECTOR_COS", sector_rad.cos()));
+                constants.push(("HORIZON_SECTOR_SIN", sector_rad.sin()));
+                constants.push(("HORIZON_MIDDLE_COS", (0.5 * sector_rad).cos()));
+                constants.push(("HORIZON_MIDDLE_SIN", (0.5 * sector_rad).sin()));
+            }
+            Family::Fields => constants.push(("HORIZON_WORDS", pages[0].words as f64)),
+        }
+        constants
+    }
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that no encoding has.
+#[derive(Debug, thiserror::Error)]
+#[error("{got} is no encoding, allowed are {}", Encoding::ALL.map(Encoding::name).join(", "))]
+pub struct UnknownEncoding {
+    pub got: String,
+}
+
+impl FromStr for Encoding {
+    type Err = UnknownEncoding;
+
+    fn from_str(text: &str) -> Result<Self, UnknownEncoding> {
+        let found = Self::ALL.into_iter().find(|encoding| encoding.name() == text);
+        found.ok_or_else(|| UnknownEncoding { got: text.into() })
+    }
+}

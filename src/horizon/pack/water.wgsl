@@ -1,0 +1,67 @@
+// The skyline from a water-filled pyramid: fields of bits, their values summed over four resolutions. Twin of `water.rs`.
+
+override HORIZON_WORDS: u32 = 4u;
+
+// The words of a texel; those beyond HORIZON_WORDS belong to others.
+fn horizon_words(offset: u32, texel: u32) -> vec4u {
+    let first = texel * HORIZON_WORDS;
+    let low = horizon_texel(offset + first / 4u);
+    if HORIZON_WORDS == 4u {
+        return low;
+    }
+    if HORIZON_WORDS == 2u {
+        return select(low, low.zwxy, first % 4u == 2u);
+    }
+    let high = horizon_texel(offset + (first + HORIZON_WORDS - 1u) / 4u);
+    switch first % 4u {
+        case 1u: { return low.yzwx; }
+        case 2u: { return vec4u(low.zw, high.xy); }
+        case 3u: { return vec4u(low.w, high.xyz); }
+        default: { return low; }
+    }
+}
+
+// A signed field: `description` holds from bit 0 its word, and from bits 8 and 16 how far it is shifted left and right.
+fn horizon_code(words: vec4u, description: u32) -> f32 {
+    let left = (description >> 8u) & 31u;
+    let right = (description >> 16u) & 31u;
+    return f32(i32(words[description & 3u] << left) >> right);
+}
+
+// Adds the fields of one page; `fields` are those of `first` to before `end` in the map's table. A field's entry is its
+// description, which holds from bit 24 twice its order, plus one for a sine, then its step and its offset.
+fn horizon_page(horizon: HorizonGrid, page: u32, offset: u32, fields: vec2u, grid: vec2f, step: vec2f) -> vec2f {
+    let cell = horizon_cell(horizon, page, grid);
+    let south_west = horizon_words(offset, cell.texels.x);
+    let south_east = horizon_words(offset, cell.texels.y);
+    let north_west = horizon_words(offset, cell.texels.z);
+    let north_east = horizon_words(offset, cell.texels.w);
+    var turned = vec2f(1.0, 0.0);
+    var order = 0u;
+    var sum = vec2f(0.0);
+    for (var i = fields.x; i < fields.y; i++) {
+        let field = horizon_texel(horizon.table + i);
+        let real = field.x >> 24u;
+        for (; order < real / 2u; order++) {
+            turned = horizon_turn(turned, step);
+        }
+        let south = mix(horizon_code(south_west, field.x), horizon_code(south_east, field.x), cell.share.x);
+        let north = mix(horizon_code(north_west, field.x), horizon_code(north_east, field.x), cell.share.x);
+        let value_rad = bitcast<f32>(field.z) + bitcast<f32>(field.y) * mix(south, north, cell.share.y);
+        let wave = select(turned, vec2f(turned.y, -turned.x), real % 2u == 1u);
+        sum += value_rad * vec2f(wave.x, -f32(order) * wave.y);
+    }
+    return sum;
+}
+
+// Elevation of the skyline, in radians, and its derivative by map azimuth, at a grid point counted in nodes from the
+// first seen one, towards the unit map direction (X, Y) = (sin A, cos A).
+fn horizon_elevation(horizon: HorizonGrid, grid: vec2f, towards: vec2f) -> vec2f {
+    // Where each page's entries end in the table.
+    let ends = horizon_texel(horizon.table);
+    let step = towards.yx;
+    return horizon_page(horizon, 0u, horizon.offset_0, vec2u(1u, ends.x), grid, step)
+        + horizon_page(horizon, 1u, horizon.offset_1, vec2u(ends.x, ends.y), grid, step)
+        + horizon_page(horizon, 2u, horizon.offset_2, vec2u(ends.y, ends.z), grid, step)
+        + horizon_page(horizon, 3u, horizon.offset_3, vec2u(ends.z, ends.w), grid, step);
+}
