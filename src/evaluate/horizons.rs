@@ -6,6 +6,7 @@
 //! Sun's centre, and in the penumbra the share of a uniform disc above a level line at the horizon's elevation stands
 //! for the irradiance.
 
+pub mod encodings;
 pub mod profiles;
 pub mod shadows;
 pub mod speed;
@@ -59,13 +60,27 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
     for scene in scenes(options, &mut notes)? {
         measure(&scene, options, &mut tables, progress)?;
     }
+    let mut encoded = encodings::Tables::new();
+    for scene in patches(options, &mut notes)? {
+        encodings::measure(&scene, &mut encoded, progress)?;
+    }
+    encodings::summarise(&mut encoded);
+    let plots = shadows::plots(&tables.shadows).into_iter().chain([encodings::plot(&encoded)]).collect();
     Ok(Report {
         name: "horizon",
         title: "Horizons: speed and error".into(),
         machine,
         notes,
-        plots: shadows::plots(&tables.shadows),
-        tables: vec![tables.speed, tables.errors, tables.tiles, tables.shadows],
+        plots,
+        tables: vec![
+            tables.speed,
+            tables.errors,
+            tables.tiles,
+            tables.shadows,
+            encoded.ratios,
+            encoded.shadows,
+            encoded.horizons,
+        ],
         pictures: Vec::new(),
     })
 }
@@ -81,6 +96,19 @@ fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Erro
         None => notes.push("Connecting ridge: skipped, its elevation models are in none of the data folders.".into()),
     }
     Ok(scenes)
+}
+
+/// Patches on which every encoding is tried.
+fn patches(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
+    let side = if options.quick { 96 } else { 256 };
+    notes.push(format!("Encodings: patches of {side}² nodes with all terrain around them, {} azimuths.", 360));
+    let mut scenes = vec![Scene::synthetic(1024, 1)?, Scene::fractal(512, 2)?];
+    if !options.quick {
+        scenes.extend([Scene::smooth(512, 3), Scene::blocks(512, 4), Scene::peaks(512, 5)]);
+        scenes.extend(Scene::connecting_ridge(&options.data)?);
+        scenes.extend(Scene::south_cap(&options.data)?);
+    }
+    Ok(scenes.into_iter().map(|scene| scene.cut(side)).collect())
 }
 
 struct Tables {

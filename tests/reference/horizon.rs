@@ -1,5 +1,6 @@
 //! Horizons against closed forms, against other programs, and the fast ones against the believed ones.
 mod closed_forms;
+mod encodings;
 mod programs;
 mod scene;
 mod sweep;

@@ -71,18 +71,19 @@ pub fn tile(
 }
 
 /// A folder that is gone when it is no longer needed.
-struct Scratch {
-    path: PathBuf,
+#[derive(Debug)]
+pub struct Scratch {
+    pub path: PathBuf,
 }
 
 impl Scratch {
-    fn new() -> Result<Self, Error> {
+    pub fn new() -> Result<Self, Error> {
         let path = std::env::temp_dir().join(format!("perilune-bench-{}", std::process::id()));
         std::fs::create_dir_all(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
         Ok(Self { path })
     }
 
-    fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> u64 {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return 0 };
         entries.filter_map(|entry| Some(entry.ok()?.metadata().ok()?.len())).sum()
     }
