@@ -89,7 +89,8 @@ impl HorizonMap {
         match self.encoding.family() {
             Family::Halves | Family::Samples => self.fields.is_empty(),
             Family::Fields => {
-                self.fields.len() == pages.len() && pages.iter().zip(&self.fields).all(|(page, fields)| fits(page, fields))
+                self.fields.len() == pages.len()
+                    && pages.iter().zip(&self.fields).all(|(page, fields)| fits(page, fields))
             }
         }
     }

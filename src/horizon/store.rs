@@ -232,8 +232,7 @@ impl<const FLOATS: bool> ColorType for Halves<FLOATS> {
     type Inner = u16;
     const TIFF_VALUE: PhotometricInterpretation = PhotometricInterpretation::BlackIsZero;
     const BITS_PER_SAMPLE: &'static [u16] = &[16];
-    const SAMPLE_FORMAT: &'static [SampleFormat] =
-        if FLOATS { &[SampleFormat::IEEEFP] } else { &[SampleFormat::Uint] };
+    const SAMPLE_FORMAT: &'static [SampleFormat] = if FLOATS { &[SampleFormat::IEEEFP] } else { &[SampleFormat::Uint] };
 
     fn horizontal_predict(_: &[u16], _: &mut Vec<u16>) {
         unreachable!("tiles are written without a predictor")
@@ -316,7 +315,12 @@ pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
         let halves: &[u16] = match (&image, header.encoding.family()) {
             (DecodingResult::F16(halves), Family::Halves | Family::Samples) => cast_slice(halves),
             (DecodingResult::U16(halves), Family::Fields) => halves,
-            _ => return Err(Error::header(path, format!("page {page} does not hold the samples of {}", header.encoding))),
+            _ => {
+                return Err(Error::header(
+                    path,
+                    format!("page {page} does not hold the samples of {}", header.encoding),
+                ));
+            }
         };
         let samples = 2 * layout.words;
         if halves.len() != 2 * level.words.len() {

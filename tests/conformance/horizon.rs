@@ -285,14 +285,18 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
     vec![
         comparison(
             "horizon_words",
-            call(format!("let w = horizon_words(0u, u32(x[0])); for (var i = 0u; i < {words}u; i++) {{ y[2u * i] = f32(w[i] & 0xffffu); y[2u * i + 1u] = f32(w[i] >> 16u); }}")),
+            call(format!(
+                "let w = horizon_words(0u, u32(x[0])); for (var i = 0u; i < {words}u; i++) {{ y[2u * i] = f32(w[i] & 0xffffu); y[2u * i + 1u] = f32(w[i] >> 16u); }}"
+            )),
             texels,
             1e-9,
             Box::new(halves_of(&one)),
         ),
         comparison(
             "horizon_code",
-            call(format!("let g = {grid}; y[0] = horizon_code(horizon_words(0u, u32(x[0])), horizon_texel(g.table + 1u + u32(x[1])).x);")),
+            call(format!(
+                "let g = {grid}; y[0] = horizon_code(horizon_words(0u, u32(x[0])), horizon_texel(g.table + 1u + u32(x[1])).x);"
+            )),
             codes.collect(),
             1e-9,
             Box::new(move |x| {
@@ -305,7 +309,10 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
         ),
         comparison(
             "horizon_page",
-            call(format!("let g = {grid}; y[0] = horizon_page(g, 1u, g.offset_1, vec2u({}u, {}u), vec2f(x[0], x[1]), vec2f(x[3], x[2])).x;", ends[0], ends[1])),
+            call(format!(
+                "let g = {grid}; y[0] = horizon_page(g, 1u, g.offset_1, vec2u({}u, {}u), vec2f(x[0], x[1]), vec2f(x[3], x[2])).x;",
+                ends[0], ends[1]
+            )),
             places(true),
             3e-6,
             Box::new(move |x| {
@@ -344,8 +351,7 @@ fn skylines_on_the_device_are_those_of_the_decoders() {
 fn every_function_of_the_decoders_has_a_comparison() {
     for encoding in [Encoding::F16, Encoding::Raw12, Encoding::W16] {
         let map = map(encoding);
-        let source =
-            shader(&map).source + "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
+        let source = shader(&map).source + "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;";
         let compared: Vec<_> = comparisons(&map).iter().map(|comparison| comparison.function).collect();
         let missing: Vec<_> = functions(&source)
             .into_iter()

@@ -99,7 +99,9 @@ pub fn measure(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> R
         let errors = Errors::of(truth.iter().flatten().zip(tried.iter().flatten()).map(|(t, d)| d - t));
         let similarity = patch.similarity(&truth, &tried);
         let mut row = vec![scene.name.as_str().into(), encoding.name().into()];
-        row.extend([map.bytes() as f64, stored_bytes(scene, settings, &map)?].map(|b| (b / patch.nodes() as f64).into()));
+        row.extend(
+            [map.bytes() as f64, stored_bytes(scene, settings, &map)?].map(|b| (b / patch.nodes() as f64).into()),
+        );
         row.extend([errors.rms, errors.p95, errors.p99, errors.max].map(|rad| Value::from(rad.to_degrees())));
         row.push(similarity.into());
         tables.horizons.rows.push(row);
@@ -300,7 +302,8 @@ fn similarity(columns: usize, a: &[bool], b: &[bool]) -> f64 {
     let (mut sum, mut windows) = (0.0, 0.0);
     for top in (0..=rows.saturating_sub(WINDOW)).step_by(APART) {
         for left in (0..=columns.saturating_sub(WINDOW)).step_by(APART) {
-            let nodes = (top..top + WINDOW).flat_map(|row| (left..left + WINDOW).map(move |column| row * columns + column));
+            let nodes =
+                (top..top + WINDOW).flat_map(|row| (left..left + WINDOW).map(move |column| row * columns + column));
             let mut counts = [0.0; 3];
             for node in nodes {
                 let lit = [a[node], b[node], a[node] && b[node]];
@@ -335,10 +338,14 @@ mod tests {
             vec!["a".into(), label.into(), sun.into(), wrong.into(), Value::Missing, wrong.into(), Value::Missing]
         };
         let mut tables = Tables::new();
-        tables.shadows.rows = vec![row("fm16", 3.0, 2.0), row("fm16", 6.0, 4.0), row("w21", 3.0, 1.0), row("w21", 6.0, 1.0)];
+        tables.shadows.rows =
+            vec![row("fm16", 3.0, 2.0), row("fm16", 6.0, 4.0), row("w21", 3.0, 1.0), row("w21", 6.0, 1.0)];
         compare(&mut tables.shadows.rows);
         summarise(&mut tables);
         assert_eq!(tables.ratios.rows[0][2], Value::Number(1.0));
-        assert_eq!(tables.ratios.rows[1], vec!["w21".into(), 21.25.into(), 0.375.into(), 0.375.into(), 0.375.into(), 0.375.into()]);
+        assert_eq!(
+            tables.ratios.rows[1],
+            vec!["w21".into(), 21.25.into(), 0.375.into(), 0.375.into(), 0.375.into(), 0.375.into()]
+        );
     }
 }

@@ -92,8 +92,7 @@ pub(super) fn table(fields: &[Vec<Field>]) -> Vec<[u32; 4]> {
     let mut table = vec![[0; PAGES]];
     for (page, fields) in fields.iter().enumerate() {
         for field in fields {
-            let description =
-                field.word as u32 | field.left() << 8 | field.right() << 16 | (field.real as u32) << 24;
+            let description = field.word as u32 | field.left() << 8 | field.right() << 16 | (field.real as u32) << 24;
             table.push([description, field.step_rad.to_bits(), field.offset_rad.to_bits(), 0]);
         }
         table[0][page] = table.len() as u32;

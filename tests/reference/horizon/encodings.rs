@@ -89,7 +89,10 @@ fn sampled_maps_hold_the_horizon_at_their_azimuths_and_lines_between() {
             for sample in 0..count {
                 let wanted = elevation_rad(column, row, sample * every);
                 let got = halves(texel[sample / 2])[sample % 2];
-                assert!((got - wanted).abs() <= wanted.abs() / 2048.0 + 2e-7, "{encoding} {sample}: {got}, not {wanted}");
+                assert!(
+                    (got - wanted).abs() <= wanted.abs() / 2048.0 + 2e-7,
+                    "{encoding} {sample}: {got}, not {wanted}"
+                );
                 let next = elevation_rad(column, row, (sample + 1) % count * every);
                 for share in [0.25, 0.5, 0.75] {
                     let (sin, cos) = (TAU * (sample as f64 + share) / count as f64).sin_cos();
