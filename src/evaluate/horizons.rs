@@ -8,6 +8,7 @@
 
 pub mod certificates;
 pub mod curvature;
+pub mod encodings;
 pub mod fritsch;
 pub mod memory;
 pub mod peers;
@@ -83,8 +84,15 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         progress.begin("memory", 1, "table");
         tables.memory.rows = memory::rows(program, if options.quick { 256 } else { 1024 }, options.azimuths)?;
     }
-    let plots = std::iter::once(speed_and_error(&tables)).chain(shadows::plots(&tables.shadows)).collect();
-    let tables = tables.in_order();
+    let mut encoded = encodings::Tables::new();
+    for scene in patches(options, &mut notes)? {
+        encodings::measure(&scene, &mut encoded, progress)?;
+    }
+    encodings::summarise(&mut encoded);
+    let plots = std::iter::once(speed_and_error(&tables));
+    let plots = plots.chain(shadows::plots(&tables.shadows)).chain([encodings::plot(&encoded)]).collect();
+    let mut tables = tables.in_order();
+    tables.extend([encoded.ratios, encoded.shadows, encoded.horizons]);
     Ok(Report {
         name: "horizon",
         title: "Horizons: speed and error".into(),
@@ -128,6 +136,19 @@ fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Erro
         None => notes.push("Connecting ridge: skipped, its elevation models are in none of the data folders.".into()),
     }
     Ok(scenes)
+}
+
+/// Patches on which every encoding is tried.
+fn patches(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
+    let side = if options.quick { 96 } else { 256 };
+    notes.push(format!("Encodings: patches of {side}² nodes with all terrain around them, {} azimuths.", 360));
+    let mut scenes = vec![Scene::synthetic(1024, 1)?, Scene::fractal(512, 2)?];
+    if !options.quick {
+        scenes.extend([Scene::smooth(512, 3), Scene::blocks(512, 4), Scene::peaks(512, 5)]);
+        scenes.extend(Scene::connecting_ridge(&options.data)?);
+        scenes.extend(Scene::south_cap(&options.data)?);
+    }
+    Ok(scenes.into_iter().map(|scene| scene.cut(side)).collect())
 }
 
 struct Tables {

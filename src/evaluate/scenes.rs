@@ -73,7 +73,7 @@ impl Scene {
     ) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut heights_m = vec![0.0_f32; nodes * nodes];
-        for _ in 0..nodes * nodes / 900 {
+        for _ in 0..nodes * nodes / 2000 {
             let mut between = |low: f64, high: f64| random.random_range(low..high);
             let at = DVec2::new(between(0.0, nodes as f64), between(0.0, nodes as f64)).floor();
             let width = between(least, most);

@@ -97,7 +97,9 @@ impl Accumulator {
                 pages.map(|(index, page)| group(page.scale, index * texel, texel)).collect()
             }
             Family::Samples => vec![group(1, 0, encoding.samples())],
-            Family::Fields => vec![group(1, 0, 2 * (encoding.harmonics() + 1))],
+            Family::Fields => {
+                (0..2 * (encoding.harmonics() + 1)).step_by(texel).map(|first| group(1, first, texel)).collect()
+            }
         };
         Self { encoding, azimuths, columns, rows, groups }
     }
@@ -148,7 +150,7 @@ impl Accumulator {
         let (levels, fields) = match self.encoding.family() {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
-            Family::Fields => water::pyramid(self.encoding, &self.groups[0]),
+            Family::Fields => water::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
         let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));

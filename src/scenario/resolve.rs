@@ -141,7 +141,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         frame: world::frame(spec, check),
         kernels: spec.kernels.as_ref().map(|kernels| world::kernels(kernels, check)),
         terrain,
-        horizon: world::horizon(&spec.horizon),
+        horizon: world::horizon(&spec.horizon, check),
         shadows: spec.shadows,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),

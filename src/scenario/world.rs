@@ -116,9 +116,12 @@ fn posting_m(dem: &Dem) -> Option<f64> {
     }
 }
 
-pub fn horizon(written: &spec::Horizon) -> Horizon {
+pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {
     match *written {
         spec::Horizon::Settings { azimuths, search_m, observer_height_m, encoding, band } => {
+            let least = encoding.least_azimuths();
+            let rule = format!("is too few for the encoding {encoding}, at least {least} are needed");
+            check.rule(azimuths as usize >= least, "horizon.azimuths", azimuths, rule);
             Horizon { azimuths, search_m, observer_height_m, encoding, band }
         }
         spec::Horizon::Auto => Horizon {

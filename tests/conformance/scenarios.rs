@@ -36,7 +36,7 @@ fn smaller(scenario: Scenario) -> Scenario {
     small.camera.focal_length_px *= shrink;
     small.camera.principal_point_px = small.camera.principal_point_px.map(|px| px * shrink);
     small.camera.samples_per_pixel = 1;
-    small.horizon.azimuths = 48;
+    small.horizon.azimuths = 72;
     for dem in small.terrain.iter_mut().flat_map(|terrain| &mut terrain.dems) {
         match dem {
             Dem::File { path, posting_m, .. } => {

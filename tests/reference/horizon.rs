@@ -1,6 +1,7 @@
 //! Horizons against closed forms, against other programs, and the fast ones against the believed ones.
 mod bound;
 mod closed_forms;
+mod encodings;
 mod exact;
 mod programs;
 mod scene;

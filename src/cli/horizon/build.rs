@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use clap::ValueEnum;
 use perilune::geometry::Geodetic;
 use perilune::horizon::{self, Encoding, ErrorStatistics};
 use perilune::pipeline::Progress;

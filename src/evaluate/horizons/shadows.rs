@@ -8,7 +8,7 @@ use crate::evaluate::{Error, Table, Value};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::quantity::SOLAR_RADIUS_M;
 
-const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
+pub const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
 const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
 
 /// The table that [`rows`] fills.
@@ -77,10 +77,15 @@ pub struct ShadowErrors {
     pub all: Errors,
 }
 
+/// Angular radius of the Sun at 1 au.
+pub fn sun_radius_rad() -> f64 {
+    (SOLAR_RADIUS_M / ASTRONOMICAL_UNIT_M).asin()
+}
+
 /// A Sun at 1 au and at the same elevation in every azimuth.
 pub fn shadows(truth: &Profiles, tried: &Profiles, sun_rad: f64) -> Result<ShadowErrors, Error> {
     let disk = SolarDisk::new(LimbDarkening::Uniform)?;
-    let radius_rad = (SOLAR_RADIUS_M / ASTRONOMICAL_UNIT_M).asin();
+    let radius_rad = sun_radius_rad();
     let pairs: Vec<[f64; 2]> =
         truth.iter().flatten().zip(tried.iter().flatten()).map(|(truth, tried)| [*truth, *tried]).collect();
     let wrong = pairs.iter().filter(|pair| (pair[0] < sun_rad) != (pair[1] < sun_rad)).count();

@@ -71,6 +71,7 @@ pub fn tile(
 }
 
 /// A folder that is gone when it is no longer needed.
+#[derive(Debug)]
 pub(super) struct Scratch {
     pub path: PathBuf,
 }
@@ -82,7 +83,7 @@ impl Scratch {
         Ok(Self { path })
     }
 
-    fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> u64 {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return 0 };
         entries.filter_map(|entry| Some(entry.ok()?.metadata().ok()?.len())).sum()
     }
