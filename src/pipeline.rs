@@ -10,6 +10,7 @@
 
 mod check;
 mod error;
+pub mod globe;
 pub mod ground;
 pub mod motion;
 mod progress;

@@ -39,9 +39,15 @@ pub fn open_or_build(request: &Request, directory: &Path, progress: &Progress) -
     }
 }
 
-/// Makes the horizon map asked for and stores its tile in `directory`.
+/// Makes the horizon map asked for and stores its tile in `directory`, under the name of its key.
 pub fn build(request: &Request, directory: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
-    let mut builder = Builder::new(request, directory)?;
+    request.check()?;
+    build_at(request, &store::path_for(directory, &request.key()), progress)
+}
+
+/// Makes the horizon map asked for and stores its tile under a name.
+pub fn build_at(request: &Request, path: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
+    let mut builder = Builder::new(request, path)?;
     let mut saved = Instant::now();
     while builder.done() < request.settings.azimuths {
         builder.step();
@@ -79,12 +85,12 @@ pub struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// A build of a tile, where a checkpoint of it left off if there is one.
-    pub fn new(request: &Request<'a>, directory: &Path) -> Result<Self, Error> {
+    pub fn new(request: &Request<'a>, path: &Path) -> Result<Self, Error> {
         request.check()?;
-        fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
-        let key = request.key();
-        let path = store::path_for(directory, &key);
-        let checkpoint = Checkpoint::new(path.with_extension("partial"), key);
+        if let Some(directory) = path.parent() {
+            fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
+        }
+        let checkpoint = Checkpoint::new(path.with_extension("partial"), request.key());
 
         let settings = &request.settings;
         let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
@@ -96,7 +102,7 @@ impl<'a> Builder<'a> {
         let sums = Accumulator::new(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state, along_rows);
-        Ok(Self { request: *request, path, checkpoint, order, along_rows, state, sweep: None })
+        Ok(Self { request: *request, path: path.into(), checkpoint, order, along_rows, state, sweep: None })
     }
 
     /// Azimuths done.

@@ -34,7 +34,7 @@ pub mod trace;
 pub const SERIES_WGSL: &str = include_str!("series.wgsl");
 
 pub use band::Band;
-pub use build::{build, open_or_build};
+pub use build::{build, build_at, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
 pub use pack::{Encoding, HorizonMap, Texels};
 pub use request::Request;

@@ -47,7 +47,7 @@ pub struct Args {
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum Encoding {
+pub enum Encoding {
     #[default]
     Fm16,
     F16,

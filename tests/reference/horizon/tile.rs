@@ -199,7 +199,7 @@ fn an_interrupted_build_goes_on_to_the_same_bytes() {
     let path = |directory: &std::path::Path| store::path_for(directory, &request(&face).key());
     build(&request(&face), whole.path(), &|_, _| ()).unwrap();
     for stop_after in [5, 21, 33] {
-        let mut builder = Builder::new(&request(&face), broken.path()).unwrap();
+        let mut builder = Builder::new(&request(&face), &path(broken.path())).unwrap();
         while builder.done() < stop_after {
             builder.step();
         }
