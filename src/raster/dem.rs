@@ -65,6 +65,9 @@ pub struct Options {
     pub any_body: bool,
 }
 
+/// Columns of a file that are looked through at a time.
+const STRIP_COLUMNS: usize = 4096;
+
 /// Heights on the pixels of a map.
 #[derive(Clone, PartialEq)]
 pub struct Dem {
@@ -138,19 +141,25 @@ impl Dem {
         Ok((reduced, columns, rows))
     }
 
-    /// Lowest and highest height of a file, read row by row and not kept.
+    /// Lowest and highest height of a file, which is looked through and not kept.
     pub fn extremes_m(path: &Path, body: &Body, options: &Options) -> Result<[f64; 2], Error> {
         let mut extremes_m = [f64::INFINITY, f64::NEG_INFINITY];
         let mut heights_m = Vec::new();
-        Self::read_rows(path, body, options, |reader, row| {
-            heights_m.clear();
-            reader.read_row(row, &mut heights_m)?;
-            for height_m in heights_m.iter().map(|height_m| f64::from(*height_m)).filter(|height_m| !height_m.is_nan())
-            {
-                extremes_m = [extremes_m[0].min(height_m), extremes_m[1].max(height_m)];
-            }
-            Ok(())
-        })?;
+        keep_gdal_quiet();
+        let (columns, rows) = open_dataset(path)?.raster_size();
+        // Strips narrow enough that the blocks of a tiled file are read once.
+        let strips = columns.div_ceil(STRIP_COLUMNS);
+        for strip in 0..strips {
+            let [column, end] = [strip, strip + 1].map(|strip| strip * columns / strips);
+            let window = Some(Window { column, row: 0, columns: end - column, rows });
+            Self::read_rows(path, body, &Options { window, ..options.clone() }, |reader, row| {
+                heights_m.clear();
+                reader.read_row(row, &mut heights_m)?;
+                let known = heights_m.iter().map(|height_m| f64::from(*height_m)).filter(|height_m| !height_m.is_nan());
+                extremes_m = known.fold(extremes_m, |[low, high], height_m| [low.min(height_m), high.max(height_m)]);
+                Ok(())
+            })?;
+        }
         if extremes_m[0] > extremes_m[1] { Err(Error::AllNodata { path: path.into() }) } else { Ok(extremes_m) }
     }
 

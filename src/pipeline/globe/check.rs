@@ -6,6 +6,8 @@
 //!
 //! Places: poles, the cube's corners and the middles of its edges, the antimeridian, and random ones evenly over the sphere.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec2, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Globe;
-use crate::geometry::{Geodetic, Position};
+use crate::geometry::Position;
 use crate::horizon::ErrorStatistics;
 use crate::horizon::trace::Tracer;
 use crate::pipeline::{Error, Progress};
@@ -22,6 +24,8 @@ use crate::terrain::{Pyramid, build_tile};
 
 /// Nodes beyond a tile at its own posting that count as the full resolution.
 const FULL_NODES: usize = 512;
+/// Draws for each place that is wanted, where few of the tiles are there.
+const DRAWS: usize = 2000;
 
 /// What the places have shown, over all azimuths.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,8 +39,10 @@ pub struct Checks {
 
 /// Compares at the special places and at `random` others, as far as their tiles are there.
 pub fn check(globe: &Globe, random: usize, progress: &dyn Progress) -> Result<Checks, Error> {
-    let mut nodes: Vec<(TileId, DVec2)> = places(random).into_iter().map(|place| node_at(globe, place)).collect();
-    nodes.retain(|(tile, _)| globe.path(*tile).is_file());
+    let there = |(tile, _): &(TileId, DVec2)| globe.path(*tile).is_file();
+    let special = special_places().into_iter().map(|place| node_at(globe, place)).filter(there);
+    let drawn = random_places().take(DRAWS * random).map(|place| node_at(globe, place)).filter(there).take(random);
+    let mut nodes: Vec<_> = special.chain(drawn).collect();
     nodes.sort_by_key(|(tile, node)| (*tile, node.x as usize, node.y as usize));
     nodes.dedup();
     progress.begin("checking places", nodes.len(), "places");
@@ -83,7 +89,7 @@ fn node_at(globe: &Globe, place: DVec3) -> (TileId, DVec2) {
     (tile, node.round())
 }
 
-fn places(random: usize) -> Vec<DVec3> {
+fn special_places() -> Vec<DVec3> {
     let mut places = vec![DVec3::Z, -DVec3::Z];
     // Corners and middles of edges of the cube.
     for i in 0..27 {
@@ -92,16 +98,19 @@ fn places(random: usize) -> Vec<DVec3> {
             places.push(corner.normalize());
         }
     }
-    for latitude_deg in [-75.0, -50.0, -25.0, 0.0, 25.0, 50.0, 75.0] {
-        let Geodetic { latitude_rad, .. } = Geodetic::from_degrees(latitude_deg, 180.0, 0.0);
-        places.push(DVec3::new(-latitude_rad.cos(), 0.0, latitude_rad.sin()));
+    for latitude_deg in [-75.0_f64, -50.0, -25.0, 0.0, 25.0, 50.0, 75.0] {
+        let (sin, cos) = latitude_deg.to_radians().sin_cos();
+        places.push(DVec3::new(-cos, 0.0, sin));
     }
+    places
+}
+
+/// Evenly over the sphere, the same ones each time.
+fn random_places() -> impl Iterator<Item = DVec3> {
     let mut numbers = ChaCha8Rng::seed_from_u64(1);
-    places.extend((0..random).map(|_| {
-        let (z, longitude_rad): (f64, f64) =
-            (numbers.random_range(-1.0..1.0), numbers.random_range(0.0..std::f64::consts::TAU));
+    std::iter::repeat_with(move || {
+        let (z, longitude_rad) = (numbers.random_range(-1.0..1.0_f64), numbers.random_range(0.0..TAU));
         let (sin, cos) = longitude_rad.sin_cos();
         ((1.0 - z * z).sqrt() * DVec3::new(cos, sin, 0.0)).with_z(z)
-    }));
-    places
+    })
 }
