@@ -155,12 +155,7 @@ pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
 
 /// How shadows and renderer are called together.
 pub fn name(scene: &Scene, renderer: &str) -> String {
-    let shadows = match &scene.shadows {
-        Shadows::None => "none",
-        Shadows::Fourier(_) => "fourier",
-        Shadows::Traced(_) => "traced",
-    };
-    format!("{renderer}, {shadows} shadows")
+    format!("{renderer}, {} shadows", scene.shadows.name())
 }
 
 /// Map point and Sun fraction of each pixel's centre, for one sample a pixel on ground with heights.
