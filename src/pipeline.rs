@@ -160,7 +160,7 @@ pub fn scene(
         let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
         let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
         let silent = |_: &ground::Tile| Ok::<_, Error>(());
-        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)
+        ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, silent)
     };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,

@@ -4,43 +4,47 @@
 //! coefficients is accumulated at its own resolution: box means and sums over azimuths commute. Every
 //! texel adds its azimuths in the order given, so that the sums do not depend on the number of threads.
 
+pub mod sums;
+
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::pack::{Encoding, TEXEL_COEFFICIENTS, Texels, pack};
 use super::series::turned;
 use super::sweep::wide::wide;
+use sums::Sums;
 
 /// Real numbers per texel.
 const REALS: usize = 2 * TEXEL_COEFFICIENTS;
 /// Pixel rows that a task takes: the coarsest texel's.
 const STRIP: usize = 8;
+/// Columns of a plane that are turned at a time.
+const TURNED: usize = 16;
 
 /// Sums of one group of coefficients, `[texel row][real][texel column]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Group {
     pub scale: usize,
     pub rows: usize,
     pub columns: usize,
-    pub sums: Vec<f32>,
+    pub sums: Sums,
 }
 
 impl Group {
-    fn transposed(&self) -> Self {
-        let mut sums = vec![0.0; self.sums.len()];
-        for row in 0..self.rows {
-            for real in 0..REALS {
-                for column in 0..self.columns {
-                    sums[(column * REALS + real) * self.rows + row] =
-                        self.sums[(row * REALS + real) * self.columns + column];
-                }
-            }
-        }
-        Self { scale: self.scale, rows: self.columns, columns: self.rows, sums }
+    /// Sums of the rows that a task takes.
+    pub fn strip(&self) -> usize {
+        REALS * self.columns * STRIP / self.scale
+    }
+
+    /// One number of a row of texels.
+    pub fn row(&self, row: usize, real: usize) -> Cow<'_, [f32]> {
+        self.sums.at((row * REALS + real) * self.columns, self.columns)
     }
 }
 
 /// The coefficients of all pixels while azimuths are added.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Accumulator {
     azimuths: usize,
     columns: usize,
@@ -57,11 +61,39 @@ pub struct Plane {
     pub elevations_rad: Vec<f32>,
 }
 
+impl Plane {
+    /// The plane with rows and columns exchanged.
+    pub fn transposed(&self, columns: usize) -> Self {
+        let rows = self.elevations_rad.len() / self.stride;
+        let mut elevations_rad = vec![0.0; rows * columns];
+        // In squares that stay in cache.
+        for (low, high) in (0..columns).step_by(TURNED).map(|low| (low, columns.min(low + TURNED))) {
+            for row in 0..rows {
+                let from = &self.elevations_rad[row * self.stride..][low..high];
+                for (column, elevation_rad) in (low..high).zip(from) {
+                    elevations_rad[column * rows + row] = *elevation_rad;
+                }
+            }
+        }
+        Self { azimuth: self.azimuth, stride: rows, elevations_rad }
+    }
+}
+
 impl Accumulator {
+    /// Sums in memory, all 0.
     pub fn new(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
+        Self::with(encoding, columns, rows, azimuths, |length| Sums::Memory(vec![0.0; length]))
+    }
+
+    /// Sums that are kept in a checkpoint, all 0.
+    pub fn on_disk(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
+        Self::with(encoding, columns, rows, azimuths, |length| Sums::Disk { length, file: None })
+    }
+
+    fn with(encoding: Encoding, columns: usize, rows: usize, azimuths: usize, sums: impl Fn(usize) -> Sums) -> Self {
         let group = |scale: usize| {
             let (columns, rows) = (columns.div_ceil(scale), rows.div_ceil(scale));
-            Group { scale, rows, columns, sums: vec![0.0; REALS * columns * rows] }
+            Group { scale, rows, columns, sums: sums(REALS * columns * rows) }
         };
         Self { azimuths, columns, rows, groups: encoding.scales().into_iter().map(group).collect() }
     }
@@ -74,46 +106,60 @@ impl Accumulator {
         self.rows
     }
 
-    /// Adds planes in their order.
+    pub fn in_memory(&self) -> bool {
+        self.groups.iter().all(|group| matches!(group.sums, Sums::Memory(_)))
+    }
+
+    /// Bytes of all sums.
+    pub fn bytes(&self) -> usize {
+        4 * self.groups.iter().map(|group| group.sums.length()).sum::<usize>()
+    }
+
+    /// Adds planes in their order to sums in memory.
     pub fn add(&mut self, planes: &[Plane]) {
-        let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);
-        for (index, group) in self.groups.iter_mut().enumerate() {
-            let weights: Vec<_> = planes.iter().map(|plane| weights(index, plane.azimuth, azimuths)).collect();
-            let (scale, width) = (group.scale, group.columns);
-            let strip = REALS * width * STRIP / scale;
-            group.sums.par_chunks_mut(strip).enumerate().for_each(|(i, sums)| {
-                let mut means = vec![0.0; width];
-                for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
-                    let first = i * STRIP + row * scale;
-                    let last = (first + scale).min(rows);
-                    for (plane, weights) in planes.iter().zip(&weights) {
-                        wide(
-                            #[inline(always)]
-                            || {
-                                box_means(plane, columns, first..last, scale, &mut means);
-                                add_scaled(&means, weights, sums);
-                            },
-                        );
-                    }
-                }
-            });
+        for index in 0..self.groups.len() {
+            // Taken out, so that the rest can be read meanwhile.
+            let Sums::Memory(sums) = &mut self.groups[index].sums else { continue };
+            let mut sums = std::mem::take(sums);
+            self.add_to(index, 0, &mut sums, planes);
+            self.groups[index].sums = Sums::Memory(sums);
         }
     }
 
-    /// Exchanges rows and columns, one group at a time: memory for one more group, not for all.
-    pub fn transpose(&mut self) {
-        self.groups.iter_mut().for_each(|group| *group = group.transposed());
-        (self.columns, self.rows) = (self.rows, self.columns);
+    /// Adds planes in their order to the sums of some strips of a group.
+    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane]) {
+        let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);
+        let group = &self.groups[index];
+        let weights: Vec<_> = planes.iter().map(|plane| weights(index, plane.azimuth, azimuths)).collect();
+        let (scale, width) = (group.scale, group.columns);
+        sums.par_chunks_mut(group.strip()).enumerate().for_each(|(i, sums)| {
+            let mut means = vec![0.0; width];
+            for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
+                let first = (first_strip + i) * STRIP + row * scale;
+                let last = (first + scale).min(rows);
+                for (plane, weights) in planes.iter().zip(&weights) {
+                    wide(
+                        #[inline(always)]
+                        || {
+                            box_means(plane, columns, first..last, scale, &mut means);
+                            add_scaled(&means, weights, sums);
+                        },
+                    );
+                }
+            }
+        });
     }
 
     /// The sums as texels.
     pub fn texels(&self) -> Vec<Texels> {
         let level = |group: &Group| {
             let mut level = Texels::empty(self.columns, self.rows, group.scale);
-            for (i, texel) in level.texels.iter_mut().enumerate() {
-                let (row, column) = (i / group.columns, i % group.columns);
-                let real = |real: usize| group.sums[(row * REALS + real) * group.columns + column];
-                *texel = std::array::from_fn(|slot| pack([real(2 * slot), -real(2 * slot + 1)]));
+            for (row, texels) in level.texels.chunks_mut(group.columns).enumerate() {
+                let reals: Vec<_> = (0..REALS).map(|real| group.row(row, real)).collect();
+                for (column, texel) in texels.iter_mut().enumerate() {
+                    let real = |real: usize| reals[real][column];
+                    *texel = std::array::from_fn(|slot| pack([real(2 * slot), -real(2 * slot + 1)]));
+                }
             }
             level
         };
@@ -197,15 +243,12 @@ mod tests {
     }
 
     #[test]
-    fn turning_the_sums_turns_the_map_and_back() {
-        let mut sums = Accumulator::new(Encoding::Fm16, 19, 10, 40);
-        sums.add(&planes(19, 10, 40));
-        let mut turned = sums.clone();
-        turned.transpose();
-        assert_eq!(turned.texels()[2].columns, 3);
-        assert_eq!(turned.texels()[0].texels[5 * 10 + 3], sums.texels()[0].texels[3 * 19 + 5]);
-        turned.transpose();
-        assert!(turned == sums);
+    fn turning_a_plane_exchanges_rows_and_columns() {
+        let plane = Plane { azimuth: 3, stride: 40, elevations_rad: (0..40 * 7).map(|i| i as f32).collect() };
+        let turned = plane.transposed(37);
+        assert_eq!((turned.azimuth, turned.stride, turned.elevations_rad.len()), (3, 7, 37 * 7));
+        assert_eq!(turned.elevations_rad[36 * 7 + 5], plane.elevations_rad[5 * 40 + 36]);
+        assert_eq!(turned.transposed(7).elevations_rad[5 * 37 + 36], plane.elevations_rad[5 * 40 + 36]);
     }
 
     #[test]
@@ -216,6 +259,7 @@ mod tests {
         // The last of two boxes of 8 holds column 8 alone; 2/40 is the weight of a cosine at azimuth 0.
         let group = &sums.groups[3];
         assert_eq!((group.columns, group.rows), (2, 2));
-        assert!((group.sums[1] - 8.0 * 2.0 / 40.0).abs() < 1e-6 && (group.sums[0] - 3.5 * 2.0 / 40.0).abs() < 1e-6);
+        let sums = group.row(0, 0);
+        assert!((sums[1] - 8.0 * 2.0 / 40.0).abs() < 1e-6 && (sums[0] - 3.5 * 2.0 / 40.0).abs() < 1e-6);
     }
 }

@@ -28,7 +28,7 @@ pub use selection::Selection;
 
 use super::{Error, Progress};
 use crate::geometry::Body;
-use crate::horizon::{self, Encoding, HorizonMap, Request, Settings, store};
+use crate::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings, store};
 use crate::raster::{self, Values};
 use crate::terrain::quadtree::{QuadTree, TileId};
 use crate::terrain::{GlobalDem, build_tile};
@@ -47,6 +47,7 @@ pub struct Options {
     pub settings: Settings,
     pub encoding: Encoding,
     pub directory: PathBuf,
+    pub memory: Memory,
     /// Which tiles; none: all.
     pub tiles: Vec<Selection>,
     /// Random places at which finished tiles are compared with the full resolution; poles, edges, corners and antimeridian
@@ -61,6 +62,7 @@ pub struct Globe {
     pub dem: GlobalDem,
     pub plan: Plan,
     pub directory: PathBuf,
+    pub memory: Memory,
 }
 
 /// What a run did.
@@ -78,7 +80,7 @@ impl Globe {
         let dem = GlobalDem::open(&options.dem, body, options.values)?;
         let tree = QuadTree::new(body, options.cells, options.posting_m.unwrap_or(dem.posting_m));
         let plan = Plan::new(&tree, &dem, raster::digest(&options.dem)?, options);
-        let globe = Self { tree, dem, plan, directory: options.directory.clone() };
+        let globe = Self { tree, dem, plan, directory: options.directory.clone(), memory: options.memory };
         globe.claim()?;
         Ok(globe)
     }
@@ -117,7 +119,7 @@ impl Globe {
         let face = build_tile(&self.tree, tile, &self.dem, self.plan.margin)?;
         let Plan { settings, encoding, .. } = self.plan;
         let request = Request { body: &self.tree.body, face: &face, level: 0, settings, encoding };
-        horizon::build_at(&request, &self.path(tile), progress)?;
+        horizon::build_at(&request, &self.path(tile), self.memory, progress)?;
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap};
+use crate::horizon::{self, Encoding, HorizonMap, Memory};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
@@ -197,6 +197,7 @@ pub fn horizons<E: From<Error>>(
     settings: &horizon::Settings,
     encoding: Encoding,
     folder: &Path,
+    memory: Memory,
     progress: &dyn Progress,
     mut finished: impl FnMut(&Tile) -> Result<(), E>,
 ) -> Result<Vec<Vec<HorizonMap>>, E> {
@@ -216,7 +217,7 @@ pub fn horizons<E: From<Error>>(
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
             let path = store::path_for(folder, &request.key());
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
             finished(&Tile { face: index, level, path, map: &map, built_s })?;

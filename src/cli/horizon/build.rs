@@ -4,8 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use perilune::evaluate::machine::peak_memory_mib;
 use perilune::geometry::Geodetic;
-use perilune::horizon::{self, ErrorStatistics};
+use perilune::horizon::{self, ErrorStatistics, Memory};
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground, Tile};
 use serde_json::{Value as Json, json};
@@ -39,6 +40,9 @@ pub struct Args {
     /// 16 coefficients: fm16 at falling resolutions (21 bytes a node), f16 all at full resolution (64 bytes)
     #[arg(long, value_enum, default_value_t)]
     encoding: Encoding,
+    /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
+    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    memory: usize,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -83,7 +87,8 @@ pub fn run(args: Args) -> Outcome {
         all.push(facts);
         Ok(())
     };
-    ground::horizons(&ground.surface, &settings, args.encoding.into(), &output, &bars, finished)?;
+    let memory = Memory::mib(args.memory);
+    ground::horizons(&ground.surface, &settings, args.encoding.into(), &output, memory, &bars, finished)?;
     bars.clear();
     if args.json {
         say(format_args!("{:#}", Json::from(all)))?;
@@ -108,6 +113,7 @@ fn facts(ground: &Ground, settings: &horizon::Settings, tile: &Tile) -> Result<J
         "bytes": std::fs::metadata(&tile.path)?.len(),
         "built_s": tile.built_s,
         "samples_per_s": tile.built_s.map(|seconds| samples / seconds),
+        "peak_memory_mib": peak_memory_mib(),
         "measured_pixels": errors.pixels,
         "swept_error_deg": in_degrees(&errors.swept),
         "decoded_error_deg": in_degrees(&errors.decoded),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use perilune::horizon;
+use perilune::horizon::{self, Memory};
 use perilune::pipeline::globe::{self, Options, Selection};
 use serde_json::json;
 
@@ -46,6 +46,9 @@ pub struct Args {
     /// How the series are stored
     #[arg(long, value_enum, default_value_t)]
     encoding: Encoding,
+    /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
+    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    memory: usize,
     /// Compare with traces over the full resolution at so many random places, the poles, the cube's edges and the
     /// antimeridian; 0 compares nothing
     #[arg(long, value_name = "N", default_value_t = 24)]
@@ -82,6 +85,7 @@ pub fn run(args: Args) -> Outcome {
         settings,
         encoding: args.encoding.into(),
         directory: args.output,
+        memory: Memory::mib(args.memory),
         tiles: args.tiles,
         checks: args.check,
     };
