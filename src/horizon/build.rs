@@ -140,21 +140,21 @@ impl<'a> Builder<'a> {
             let elevations_rad = sweep.elevations_rad(settings.direction(azimuth));
             let mut plane = Plane { azimuth, stride: sweep.receivers.stride, elevations_rad };
             ends.iter().for_each(|ends| ends.clamp(&mut plane));
-            if major == Major::Row { plane } else { plane.transposed(sweep.receivers.minors) }
+            plane
         };
         let planes: Vec<_> = block.par_iter().map(plane).collect();
-        planes.iter().for_each(|plane| self.state.sample.keep(plane, Major::Row));
+        planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
         self.state.done += block.len();
         if self.state.sums.in_memory() {
-            self.state.sums.add(&planes);
+            self.state.sums.add(&planes, major);
             return Ok(());
         }
-        self.checkpoint.save(&mut self.state, &planes)
+        self.checkpoint.save(&mut self.state, &planes, major)
     }
 
     /// Saves what is done for a later build of the same tile.
     pub fn save(&mut self) -> Result<(), Error> {
-        self.checkpoint.save(&mut self.state, &[])
+        self.checkpoint.save(&mut self.state, &[], Major::Row)
     }
 
     /// Stores the finished tile.

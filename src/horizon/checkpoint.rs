@@ -8,7 +8,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use bytemuck::{cast_slice, cast_slice_mut};
@@ -19,9 +19,10 @@ use super::error::Error;
 use super::fit::Plane;
 use super::fit::sums::{Stored, Sums};
 use super::store::Key;
+use super::sweep::grid::Major;
 
-/// Sums that are in memory at a time while the file is written anew.
-const PIECE: usize = 1 << 20;
+/// Numbers that are in memory at a time while the file is written anew.
+const PIECE: usize = 1 << 18;
 
 /// The checkpoint file of one tile.
 #[derive(Debug)]
@@ -50,9 +51,9 @@ impl Checkpoint {
 
     /// Writes the state with planes added to its sums. Sums on disk are in the new file then; those in memory stay as they are
     /// and no planes may be given.
-    pub fn save(&self, state: &mut State, planes: &[Plane]) -> Result<(), Error> {
+    pub fn save(&self, state: &mut State, planes: &[Plane], major: Major) -> Result<(), Error> {
         let writing = self.path.with_extension("partial.writing");
-        let saved = self.write(&writing, state, planes).and_then(|()| fs::rename(&writing, &self.path));
+        let saved = self.write(&writing, state, planes, major).and_then(|()| fs::rename(&writing, &self.path));
         saved.and_then(|()| self.refer(state)).map_err(|source| {
             // The first error is the one to report.
             let _ = fs::remove_file(&writing);
@@ -60,7 +61,7 @@ impl Checkpoint {
         })
     }
 
-    fn write(&self, path: &std::path::Path, state: &State, planes: &[Plane]) -> io::Result<()> {
+    fn write(&self, path: &Path, state: &State, planes: &[Plane], major: Major) -> io::Result<()> {
         let mut to = Hashed { file: BufWriter::new(File::create(path)?), hash: Sha256::new() };
         to.write(self.key.as_str().as_bytes())?;
         to.write(&(state.done as u64).to_le_bytes())?;
@@ -72,7 +73,7 @@ impl Checkpoint {
             for first in (0..group.sums.length()).step_by(step) {
                 piece.resize(step.min(group.sums.length() - first), 0.0);
                 group.sums.read(first, &mut piece)?;
-                state.sums.add_to(index, first / strip, &mut piece, planes);
+                state.sums.add_to(index, first / strip, &mut piece, planes, major);
                 to.write(cast_slice(&piece))?;
             }
         }

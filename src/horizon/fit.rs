@@ -7,11 +7,13 @@
 pub mod sums;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::pack::{Encoding, TEXEL_COEFFICIENTS, Texels, pack};
 use super::series::turned;
+use super::sweep::grid::Major;
 use super::sweep::wide::wide;
 use sums::Sums;
 
@@ -19,8 +21,6 @@ use sums::Sums;
 const REALS: usize = 2 * TEXEL_COEFFICIENTS;
 /// Pixel rows that a task takes: the coarsest texel's.
 const STRIP: usize = 8;
-/// Columns of a plane that are turned at a time.
-const TURNED: usize = 16;
 
 /// Sums of one group of coefficients, `[texel row][real][texel column]`.
 #[derive(Debug, Clone)]
@@ -62,20 +62,24 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane with rows and columns exchanged.
-    pub fn transposed(&self, columns: usize) -> Self {
-        let rows = self.elevations_rad.len() / self.stride;
-        let mut elevations_rad = vec![0.0; rows * columns];
-        // In squares that stay in cache.
-        for (low, high) in (0..columns).step_by(TURNED).map(|low| (low, columns.min(low + TURNED))) {
-            for row in 0..rows {
-                let from = &self.elevations_rad[row * self.stride..][low..high];
-                for (column, elevation_rad) in (low..high).zip(from) {
-                    elevations_rad[column * rows + row] = *elevation_rad;
-                }
+    /// Some rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.
+    fn rows<'a>(
+        &'a self,
+        rows: Range<usize>,
+        columns: usize,
+        turned: bool,
+        buffer: &'a mut Vec<f32>,
+    ) -> (&'a [f32], usize) {
+        if !turned {
+            return (&self.elevations_rad[rows.start * self.stride..], self.stride);
+        }
+        buffer.resize(rows.len() * columns, 0.0);
+        for (column, along) in self.elevations_rad.chunks(self.stride).take(columns).enumerate() {
+            for (row, elevation_rad) in along[rows.clone()].iter().enumerate() {
+                buffer[row * columns + column] = *elevation_rad;
             }
         }
-        Self { azimuth: self.azimuth, stride: rows, elevations_rad }
+        (buffer, columns)
     }
 }
 
@@ -116,38 +120,42 @@ impl Accumulator {
     }
 
     /// Adds planes in their order to sums in memory.
-    pub fn add(&mut self, planes: &[Plane]) {
+    pub fn add(&mut self, planes: &[Plane], major: Major) {
         for index in 0..self.groups.len() {
             // Taken out, so that the rest can be read meanwhile.
             let Sums::Memory(sums) = &mut self.groups[index].sums else { continue };
             let mut sums = std::mem::take(sums);
-            self.add_to(index, 0, &mut sums, planes);
+            self.add_to(index, 0, &mut sums, planes, major);
             self.groups[index].sums = Sums::Memory(sums);
         }
     }
 
-    /// Adds planes in their order to the sums of some strips of a group.
-    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane]) {
+    /// Adds planes, which lie along one axis, in their order to the sums of some strips of a group.
+    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane], major: Major) {
         let (columns, rows, azimuths) = (self.columns, self.rows, self.azimuths);
         let group = &self.groups[index];
         let weights: Vec<_> = planes.iter().map(|plane| weights(index, plane.azimuth, azimuths)).collect();
         let (scale, width) = (group.scale, group.columns);
-        sums.par_chunks_mut(group.strip()).enumerate().for_each(|(i, sums)| {
-            let mut means = vec![0.0; width];
-            for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
-                let first = (first_strip + i) * STRIP + row * scale;
-                let last = (first + scale).min(rows);
-                for (plane, weights) in planes.iter().zip(&weights) {
+        let of_strip = |buffers: &mut (Vec<f32>, Vec<f32>), (i, sums): (usize, &mut [f32])| {
+            let (means, turned) = buffers;
+            means.resize(width, 0.0);
+            let first = (first_strip + i) * STRIP;
+            let strip = first..(first + STRIP).min(rows);
+            for (plane, weights) in planes.iter().zip(&weights) {
+                let (pixels, stride) = plane.rows(strip.clone(), columns, major == Major::Column, turned);
+                for (row, sums) in sums.chunks_mut(REALS * width).enumerate() {
+                    let within = row * scale..((row + 1) * scale).min(strip.len());
                     wide(
                         #[inline(always)]
                         || {
-                            box_means(plane, columns, first..last, scale, &mut means);
-                            add_scaled(&means, weights, sums);
+                            box_means(pixels, stride, columns, within.clone(), scale, means);
+                            add_scaled(means, weights, sums);
                         },
                     );
                 }
             }
-        });
+        };
+        sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
     }
 
     /// The sums as texels.
@@ -182,8 +190,8 @@ fn weights(group: usize, azimuth: usize, azimuths: usize) -> [f32; REALS] {
 
 /// Means over boxes of pixels, as far as the boxes lie in the plane.
 #[inline(always)]
-fn box_means(plane: &Plane, columns: usize, rows: std::ops::Range<usize>, scale: usize, means: &mut [f32]) {
-    let row_of = |row: usize| &plane.elevations_rad[row * plane.stride..row * plane.stride + columns];
+fn box_means(pixels: &[f32], stride: usize, columns: usize, rows: Range<usize>, scale: usize, means: &mut [f32]) {
+    let row_of = |row: usize| &pixels[row * stride..row * stride + columns];
     if scale == 1 {
         means.copy_from_slice(row_of(rows.start));
         return;
@@ -228,7 +236,7 @@ mod tests {
         let (columns, rows) = (11, 9);
         let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
         let planes = planes(columns, rows, 64);
-        sums.add(&planes);
+        sums.add(&planes, Major::Row);
         let map =
             HorizonMap { encoding: Encoding::F16, columns, rows, levels: sums.texels(), errors: TileErrors::default() };
         for (column, row) in [(0, 0), (10, 8), (4, 5)] {
@@ -243,19 +251,29 @@ mod tests {
     }
 
     #[test]
-    fn turning_a_plane_exchanges_rows_and_columns() {
-        let plane = Plane { azimuth: 3, stride: 40, elevations_rad: (0..40 * 7).map(|i| i as f32).collect() };
-        let turned = plane.transposed(37);
-        assert_eq!((turned.azimuth, turned.stride, turned.elevations_rad.len()), (3, 7, 37 * 7));
-        assert_eq!(turned.elevations_rad[36 * 7 + 5], plane.elevations_rad[5 * 40 + 36]);
-        assert_eq!(turned.transposed(7).elevations_rad[5 * 37 + 36], plane.elevations_rad[5 * 40 + 36]);
+    fn a_plane_along_the_columns_adds_what_the_same_one_along_the_rows_does() {
+        let (columns, rows) = (19, 10);
+        let along_rows = planes(columns, rows, 40);
+        let turned = |plane: &Plane| {
+            let elevations_rad = (0..columns * 16)
+                .map(|i| (i / 16, i % 16))
+                .map(|(column, row)| if row < rows { plane.elevations_rad[row * columns + column] } else { f32::NAN });
+            Plane { azimuth: plane.azimuth, stride: 16, elevations_rad: elevations_rad.collect() }
+        };
+        let along_columns: Vec<_> = along_rows.iter().map(turned).collect();
+        for encoding in [Encoding::Fm16, Encoding::F16] {
+            let mut sums = [(); 2].map(|()| Accumulator::new(encoding, columns, rows, 40));
+            sums[0].add(&along_rows, Major::Row);
+            sums[1].add(&along_columns, Major::Column);
+            assert!(sums[0].texels() == sums[1].texels());
+        }
     }
 
     #[test]
     fn partial_boxes_average_the_pixels_they_have() {
         let mut sums = Accumulator::new(Encoding::Fm16, 9, 9, 40);
         let ramp = (0..81).map(|i| (i % 9) as f32).collect();
-        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }]);
+        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }], Major::Row);
         // The last of two boxes of 8 holds column 8 alone; 2/40 is the weight of a cosine at azimuth 0.
         let group = &sums.groups[3];
         assert_eq!((group.columns, group.rows), (2, 2));

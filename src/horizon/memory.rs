@@ -12,8 +12,8 @@ use super::request::Request;
 
 const MIB: usize = 1 << 20;
 
-/// The program with its libraries, buffers of files, and what allocators do not give back.
-const PROGRAM: usize = 32 * MIB;
+/// The program with its libraries (44 MiB with a full GDAL), buffers of files, and what allocators do not give back.
+const PROGRAM: usize = 60 * MIB;
 
 /// Memory that the process may take while it builds a tile, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,16 +44,16 @@ impl Memory {
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
         let plane = 4 * columns.next_multiple_of(32) * rows.next_multiple_of(32);
         let all = |bytes: usize| request.face.levels.iter().map(|level| bytes * level.heights_m.len()).sum::<usize>();
-        // Heights and gaps, and the maxima of a surface that rays are shot at; then heights and twists as they are swept.
-        let terrain = all(5 + 6);
+        // Heights and gaps; then heights and twists as they are swept.
+        let terrain = all(5);
         let prepared = all(4) + 4 * nodes.heights_m.len() + plane;
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
         let sums = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths).bytes();
-        // A thread turns one plane into another.
-        if sums + 2 * threads * plane <= left {
+        if sums + threads * plane <= left {
             return Share { sums_fit: true, planes: threads };
         }
-        let planes = (left.saturating_sub(4 * MIB) / plane).saturating_sub(threads);
+        // All of a block, so that no thread waits.
+        let planes = left / plane / threads * threads;
         Share { sums_fit: false, planes: planes.max(threads) }
     }
 }

@@ -69,7 +69,9 @@ impl From<Encoding> for horizon::Encoding {
 pub fn run(args: Args) -> Outcome {
     let output = args.output.ok_or("no directory for the tiles is given: --output DIR")?;
     let bars = Bars::new();
-    let ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    let mut ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    // No rays are shot here.
+    ground.surface.pyramids = Vec::new();
     ground.resampling.iter().for_each(|line| bars.say(line));
     let settings = horizon::Settings {
         azimuths: args.azimuths,
