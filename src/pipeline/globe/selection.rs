@@ -87,7 +87,7 @@ mod tests {
     use crate::geometry::Body;
 
     fn chosen(text: &str) -> Vec<String> {
-        let tree = QuadTree::new(&Body::moon(), 16, 60_000.0);
+        let tree = QuadTree::new(&Body::moon(), 16, 120_000.0);
         let selection: Selection = text.parse().unwrap();
         tree.tiles().filter(|tile| selection.holds(&tree, *tile)).map(|tile| tile.to_string()).collect()
     }
