@@ -2,7 +2,7 @@
 
 mod build;
 mod globe;
-mod levels;
+pub mod levels;
 mod plot;
 mod query;
 mod verify;
