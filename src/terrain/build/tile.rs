@@ -62,6 +62,8 @@ impl GlobalDem {
 pub fn build_tile(tree: &QuadTree, tile: TileId, dem: &GlobalDem, margin: usize) -> Result<Face, Error> {
     let map = &tree.maps[tile.face];
     let reach = reach(tree, tile, dem.reach_rad(&tree.body));
+    // What cannot be seen is not read.
+    let margin = margin.min(nodes_to_reach(tree, tile, &reach));
     let mut grids = Vec::new();
     loop {
         let (grid, whole) = grid(tree, tile, grids.len(), margin, &reach);
@@ -106,6 +108,13 @@ fn reach(tree: &QuadTree, tile: TileId, reach_rad: f64) -> Rectangle {
         }
     }
     Rectangle { low_m, high_m }
+}
+
+/// Nodes of the tile's own posting from its sides to the end of the reach, on the side where they are most.
+fn nodes_to_reach(tree: &QuadTree, tile: TileId, reach: &Rectangle) -> usize {
+    let (low_m, high_m) = (tree.node_m(tile, DVec2::ZERO), tree.node_m(tile, DVec2::splat(tree.cells as f64)));
+    let beyond_m = (low_m - reach.low_m).max(reach.high_m - high_m).max_element();
+    (beyond_m / tree.posting_m(tile.level)).ceil().max(0.0) as usize + 1
 }
 
 /// The grid of a tile's level `step`, and whether it holds all of the reach.
