@@ -10,6 +10,7 @@
 
 mod check;
 mod error;
+pub mod globe;
 pub mod ground;
 pub mod motion;
 mod progress;
@@ -162,7 +163,7 @@ pub fn scene(
             tiles.push(tile.input());
             Ok::<_, Error>(())
         };
-        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, listed)
+        ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,

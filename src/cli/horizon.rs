@@ -1,6 +1,7 @@
 //! `sim horizon`.
 
 mod build;
+mod globe;
 pub mod levels;
 mod plot;
 mod query;
@@ -27,17 +28,20 @@ Examples:
   sim horizon ridge.tif -o tiles                        a tile of one DEM
   sim horizon fine.tif wide.tif -o tiles --extent 8000  8 km of the fine one, within the wide one
   sim horizon moon.tif -o tiles --cube --posting 4000   the whole body, on six maps
+  sim horizon globe moon.tif -o moon                    the whole body out of core, as a quad-tree of tiles
   sim horizon verify tiles/horizon_0123456789abcdef.tif ridge.tif
   sim horizon query tiles/horizon_0123456789abcdef.tif --at -89,0 --plot skyline.svg ridge.tif";
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    Globe(globe::Args),
     Verify(verify::Args),
     Query(query::Args),
 }
 
 pub fn run(args: Args) -> Outcome {
     match args.command {
+        Some(Command::Globe(args)) => globe::run(args),
         Some(Command::Verify(args)) => verify::run(args),
         Some(Command::Query(args)) => query::run(args),
         None => build::run(args.build),

@@ -108,7 +108,7 @@ pub fn run(args: Args) -> Outcome {
     let request = Request { body, face, level: 0, settings, encoding: ENCODING };
     bars.begin("horizons", settings.azimuths, "azimuths");
     let heard = |done: usize, total: usize| bars.at(done, total);
-    let horizons = horizon::open_or_build(&request, &args.cache.join("horizon"), &heard)?;
+    let horizons = horizon::open_or_build(&request, &args.cache.join("horizon"), horizon::Memory::default(), &heard)?;
     bars.begin("illumination", 0, "strips");
     let start = Instant::now();
     let maps = illumination::maps(face, 0, &horizons, &track, &disk, args.lit, &heard);

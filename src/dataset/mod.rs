@@ -17,7 +17,7 @@
 //! threads or on the order in which exposures were finished: same scenario, same bytes.
 
 mod animation;
-mod atomic;
+pub mod atomic;
 mod contact_sheet;
 mod error;
 mod exr_file;

@@ -1,9 +1,11 @@
 //! From heights to a horizon map: sweep, project, measure, store.
 //!
-//! Azimuths are swept in blocks, one a thread, first those along the rows' axis, then those along the columns', so
-//! that one orientation of the heights is in memory at a time. Each plane is added to the coefficients and dropped.
-//! Every `CHECKPOINT_EVERY` the sums are saved beside the tile: an interrupted build goes on from there, to the same
-//! bytes.
+//! Azimuths are swept in blocks, first those along the rows' axis, then those along the columns', so that one
+//! orientation of the heights is in memory at a time. Each plane is added to the coefficients and dropped.
+//!
+//! Where the [`Memory`] that a build may take holds the sums, a block is one azimuth a thread, and every `CHECKPOINT_EVERY` the sums
+//! are saved beside the tile. Where it does not, the checkpoint *is* the sums: a block has as many azimuths as there is memory for
+//! their planes, and adding it writes the file anew. Either way an interrupted build goes on, to the same bytes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +19,7 @@ use super::checkpoint::Checkpoint;
 use super::error::Error;
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
+use super::memory::Memory;
 use super::method::Search;
 use super::pack::HorizonMap;
 use super::request::Request;
@@ -33,22 +36,33 @@ pub const MEASURED_PIXELS: usize = 64;
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// The horizon map asked for from its tile in `directory`, made first where there is no such tile, or a damaged one.
-pub fn open_or_build(request: &Request, directory: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
+pub fn open_or_build(
+    request: &Request,
+    directory: &Path,
+    memory: Memory,
+    progress: &Progress,
+) -> Result<HorizonMap, Error> {
     request.check()?;
     match store::read_of(directory, &request.key()) {
         Ok(map) => Ok(map),
-        Err(_) => build(request, directory, progress),
+        Err(_) => build_at(request, &store::path_for(directory, &request.key()), memory, progress),
     }
 }
 
-/// Makes the horizon map asked for and stores its tile in `directory`.
+/// Makes the horizon map asked for and stores its tile in `directory`, under the name of its key.
 pub fn build(request: &Request, directory: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
-    let mut builder = Builder::new(request, directory)?;
+    request.check()?;
+    build_at(request, &store::path_for(directory, &request.key()), Memory::default(), progress)
+}
+
+/// Makes the horizon map asked for within some memory and stores its tile under a name.
+pub fn build_at(request: &Request, path: &Path, memory: Memory, progress: &Progress) -> Result<HorizonMap, Error> {
+    let mut builder = Builder::new(request, path, memory)?;
     let mut saved = Instant::now();
     while builder.done() < request.settings.azimuths {
-        builder.step();
+        builder.step()?;
         progress(builder.done(), request.settings.azimuths);
-        if saved.elapsed() > CHECKPOINT_EVERY {
+        if builder.state.sums.in_memory() && saved.elapsed() > CHECKPOINT_EVERY {
             builder.save()?;
             saved = Instant::now();
         }
@@ -57,11 +71,10 @@ pub fn build(request: &Request, directory: &Path, progress: &Progress) -> Result
 }
 
 /// What a build has reached.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct State {
     /// Azimuths added, in the builder's order.
     pub done: usize,
-    /// `[row][column]` until the first azimuth along the columns is added, `[column][row]` from then on.
     pub sums: Accumulator,
     pub sample: Sample,
 }
@@ -75,18 +88,20 @@ pub struct Builder<'a> {
     /// Azimuths along the rows' axis, then along the columns'.
     order: Vec<usize>,
     along_rows: usize,
+    /// Azimuths of a block.
+    block: usize,
     state: State,
     search: Option<(Major, Search<'a>, Option<Ends>)>,
 }
 
 impl<'a> Builder<'a> {
     /// A build of a tile, where a checkpoint of it left off if there is one.
-    pub fn new(request: &Request<'a>, directory: &Path) -> Result<Self, Error> {
+    pub fn new(request: &Request<'a>, path: &Path, memory: Memory) -> Result<Self, Error> {
         request.check()?;
-        fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
-        let key = request.key();
-        let path = store::path_for(directory, &key);
-        let checkpoint = Checkpoint::new(path.with_extension("partial"), key);
+        if let Some(directory) = path.parent() {
+            fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
+        }
+        let checkpoint = Checkpoint::new(path.with_extension("partial"), request.key());
 
         let settings = &request.settings;
         let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
@@ -95,10 +110,13 @@ impl<'a> Builder<'a> {
 
         let nodes = request.nodes();
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
-        let sums = Accumulator::new(request.encoding, columns, rows, settings.azimuths);
+        let share = memory.share(request);
+        let accumulator = if share.sums_fit { Accumulator::new } else { Accumulator::on_disk };
+        let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
-        checkpoint.resume(&mut state, along_rows);
-        Ok(Self { request: *request, path, checkpoint, order, along_rows, state, search: None })
+        checkpoint.resume(&mut state);
+        let block = share.planes;
+        Ok(Self { request: *request, path: path.into(), checkpoint, order, along_rows, block, state, search: None })
     }
 
     /// Azimuths done.
@@ -106,42 +124,41 @@ impl<'a> Builder<'a> {
         self.state.done
     }
 
-    /// Sweeps the next azimuths, one a thread.
-    pub fn step(&mut self) {
+    /// Sweeps the next azimuths and adds them.
+    pub fn step(&mut self) -> Result<(), Error> {
         let done = self.state.done;
         let major = if done < self.along_rows { Major::Row } else { Major::Column };
         let end = if done < self.along_rows { self.along_rows } else { self.order.len() };
-        let block = &self.order[done..end.min(done + rayon::current_num_threads())];
-        if done == self.along_rows {
-            // One orientation of the heights at a time, and none beside a second copy of the sums.
-            self.search = None;
-            self.state.sums.transpose();
-        }
+        let block = &self.order[done..end.min(done + self.block)];
         let Request { face, level, settings, .. } = &self.request;
         if self.search.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
+            // One orientation of the heights at a time.
+            self.search = None;
             let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[*level], major));
             self.search = Some((major, Search::new(face, *level, major, settings), ends));
         }
-        let Some((_, search, ends)) = &self.search else { return };
+        let Some((_, search, ends)) = &self.search else { return Ok(()) };
         let plane = |&azimuth: &usize| plane(search, ends.as_ref(), settings, azimuth);
         let planes: Vec<_> = block.par_iter().map(plane).collect();
-        self.state.sums.add(&planes);
         planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
         self.state.done += block.len();
+        if self.state.sums.in_memory() {
+            self.state.sums.add(&planes, major);
+            return Ok(());
+        }
+        self.checkpoint.save(&mut self.state, &planes, major)
     }
 
     /// Saves what is done for a later build of the same tile.
-    pub fn save(&self) -> Result<(), Error> {
-        self.checkpoint.save(&self.state)
+    pub fn save(&mut self) -> Result<(), Error> {
+        self.checkpoint.save(&mut self.state, &[], Major::Row)
     }
 
     /// Stores the finished tile.
     fn finish(mut self) -> Result<HorizonMap, Error> {
         self.search = None;
-        let sums = &mut self.state.sums;
-        sums.transpose();
         let Request { face, level, settings, .. } = &self.request;
-        let mut map = sums.map();
+        let mut map = self.state.sums.map();
         let errors = measure(face, *level, settings, &self.state.sample, &map);
         let (bounds, statistics) = bound::bounds(&self.request, &map, &self.state.sample.pixels, &errors.decoded_rad);
         map.errors = errors.statistics(statistics);

@@ -1,17 +1,28 @@
-//! What an interrupted build needs to go on.
+//! What an interrupted build needs to go on, and the sums of one that is short of memory.
 //!
-//! The file holds the tile's key, the number of azimuths done, the sums and the sampled profiles, and a SHA-256 over all of
-//! it. Whatever does not match is ignored: the build starts afresh.
+//! The file holds the tile's key, the number of azimuths done, the sampled profiles and the sums, and a SHA-256 over all of
+//! it. Whatever does not match is ignored: the build starts afresh. It is written beside and renamed, so that a kill leaves a whole one.
+//!
+//! A build whose sums do not fit into its memory adds planes by writing the file anew, a piece of the sums at a time. Numbers are
+//! added in the same order either way: to the same bytes.
 
-use std::fs;
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
-use bytemuck::{cast_slice, pod_read_unaligned};
+use bytemuck::{cast_slice, cast_slice_mut};
 use sha2::{Digest, Sha256};
 
 use super::build::State;
 use super::error::Error;
+use super::fit::Plane;
+use super::fit::sums::{Stored, Sums};
 use super::store::Key;
+use super::sweep::grid::Major;
+
+/// Numbers that are in memory at a time while the file is written anew.
+const PIECE: usize = 1 << 18;
 
 /// The checkpoint file of one tile.
 #[derive(Debug)]
@@ -20,52 +31,119 @@ pub struct Checkpoint {
     key: Key,
 }
 
+/// Writes to a file and hashes what it writes.
+struct Hashed {
+    file: BufWriter<File>,
+    hash: Sha256,
+}
+
+impl Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.hash.update(bytes);
+        self.file.write_all(bytes)
+    }
+}
+
 impl Checkpoint {
     pub fn new(path: PathBuf, key: Key) -> Self {
         Self { path, key }
     }
 
-    pub fn save(&self, state: &State) -> Result<(), Error> {
-        let mut bytes = self.key.as_str().as_bytes().to_vec();
-        bytes.extend((state.done as u64).to_le_bytes());
-        state.sums.groups.iter().for_each(|group| bytes.extend_from_slice(cast_slice(&group.sums)));
-        bytes.extend_from_slice(cast_slice(&state.sample.elevations_rad));
-        let digest = Sha256::digest(&bytes);
-        bytes.extend_from_slice(&digest);
+    /// Writes the state with planes added to its sums. Sums on disk are in the new file then; those in memory stay as they are
+    /// and no planes may be given.
+    pub fn save(&self, state: &mut State, planes: &[Plane], major: Major) -> Result<(), Error> {
         let writing = self.path.with_extension("partial.writing");
-        let saved = fs::write(&writing, bytes).and_then(|()| fs::rename(&writing, &self.path));
-        saved.map_err(|source| {
+        let saved = self.write(&writing, state, planes, major).and_then(|()| fs::rename(&writing, &self.path));
+        saved.and_then(|()| self.refer(state)).map_err(|source| {
             // The first error is the one to report.
             let _ = fs::remove_file(&writing);
             Error::write(&self.path, source)
         })
     }
 
-    /// Puts a state where a saved one left off; leaves it as it is where there is none that fits. The sums of a state
-    /// past its first `along_rows` azimuths are transposed.
-    pub fn resume(&self, state: &mut State, along_rows: usize) {
-        let Ok(bytes) = fs::read(&self.path) else { return };
+    fn write(&self, path: &Path, state: &State, planes: &[Plane], major: Major) -> io::Result<()> {
+        let mut to = Hashed { file: BufWriter::new(File::create(path)?), hash: Sha256::new() };
+        to.write(self.key.as_str().as_bytes())?;
+        to.write(&(state.done as u64).to_le_bytes())?;
+        to.write(cast_slice(&state.sample.elevations_rad))?;
+        let mut piece = Vec::new();
+        for (index, group) in state.sums.groups.iter().enumerate() {
+            let strip = group.strip();
+            let step = (PIECE / strip).max(1) * strip;
+            for first in (0..group.sums.length()).step_by(step) {
+                piece.resize(step.min(group.sums.length() - first), 0.0);
+                group.sums.read(first, &mut piece)?;
+                state.sums.add_to(index, first / strip, &mut piece, planes, major);
+                to.write(cast_slice(&piece))?;
+            }
+        }
+        let Hashed { mut file, hash } = to;
+        file.write_all(&hash.finalize())?;
+        file.flush()
+    }
+
+    /// Bytes before the sums.
+    fn head(&self, state: &State) -> usize {
+        self.key.as_str().len() + 8 + 4 * state.sample.elevations_rad.len()
+    }
+
+    /// Lets sums on disk be those of the file.
+    fn refer(&self, state: &mut State) -> io::Result<()> {
+        let mut start = self.head(state) as u64;
+        let opened = Arc::new(Mutex::new(File::open(&self.path)?));
+        for group in &mut state.sums.groups {
+            let length = group.sums.length();
+            if let Sums::Disk { file, .. } = &mut group.sums {
+                *file = Some(Stored { file: Arc::clone(&opened), start });
+            }
+            start += 4 * length as u64;
+        }
+        Ok(())
+    }
+
+    /// Puts a state where a saved one left off; leaves it as it is where there is none that fits.
+    pub fn resume(&self, state: &mut State) {
+        if self.is_whole(state).unwrap_or(false) {
+            // What has just been read to its end can be read again; else the build starts afresh.
+            let fresh = state.clone();
+            if self.read(state).is_err() {
+                *state = fresh;
+            }
+        }
+    }
+
+    fn read(&self, state: &mut State) -> io::Result<()> {
+        let mut file = BufReader::new(File::open(&self.path)?);
+        io::copy(&mut Read::by_ref(&mut file).take(self.key.as_str().len() as u64), &mut io::sink())?;
+        let mut done = [0; 8];
+        file.read_exact(&mut done)?;
+        state.done = u64::from_le_bytes(done) as usize;
+        file.read_exact(cast_slice_mut(&mut state.sample.elevations_rad))?;
+        for group in &mut state.sums.groups {
+            if let Sums::Memory(sums) = &mut group.sums {
+                file.read_exact(cast_slice_mut(sums))?;
+            }
+        }
+        self.refer(state)
+    }
+
+    /// Whether there is a file of this tile, of the right size and with the right digest.
+    fn is_whole(&self, state: &State) -> io::Result<bool> {
+        let mut file = BufReader::with_capacity(1 << 20, File::open(&self.path)?);
+        let floats: usize = state.sums.groups.iter().map(|group| group.sums.length()).sum();
+        let length = (self.head(state) + 4 * floats) as u64;
         let key = self.key.as_str().as_bytes();
-        let floats =
-            state.sums.groups.iter().map(|group| group.sums.len()).sum::<usize>() + state.sample.elevations_rad.len();
-        if bytes.len() != key.len() + 8 + 4 * floats + 32 {
-            return;
+        let mut found = vec![0; key.len()];
+        file.read_exact(&mut found)?;
+        if file.get_ref().metadata()?.len() != length + 32 || found != key {
+            return Ok(false);
         }
-        let (body, digest) = bytes.split_at(bytes.len() - 32);
-        if Sha256::digest(body).as_slice() != digest || !body.starts_with(key) {
-            return;
-        }
-        let (done, mut rest) = body[key.len()..].split_at(8);
-        state.done = u64::from_le_bytes(done.try_into().expect("eight bytes")) as usize;
-        if state.done > along_rows {
-            state.sums.transpose();
-        }
-        let groups = state.sums.groups.iter_mut().map(|group| &mut group.sums);
-        for floats in groups.chain([&mut state.sample.elevations_rad]) {
-            let (mine, others) = rest.split_at(4 * floats.len());
-            floats.iter_mut().zip(mine.chunks_exact(4)).for_each(|(float, bytes)| *float = pod_read_unaligned(bytes));
-            rest = others;
-        }
+        let mut hash = Sha256::new();
+        hash.update(&found);
+        io::copy(&mut Read::by_ref(&mut file).take(length - key.len() as u64), &mut hash)?;
+        let mut digest = [0; 32];
+        file.read_exact(&mut digest)?;
+        Ok(hash.finalize().as_slice() == digest)
     }
 
     /// Nothing is lost if it stays.

@@ -8,7 +8,11 @@
 //! # Assumptions
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
+pub mod sums;
 pub mod water;
+
+use std::borrow::Cow;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -19,12 +23,13 @@ use super::pack::{Encoding, Family, HorizonMap, Texels, pack};
 use super::series::turned;
 use super::sweep::grid::Major;
 use super::sweep::wide::wide;
+use sums::Sums;
 
 /// Pixel rows that a task takes: the coarsest texel's.
 const STRIP: usize = 8;
 
 /// Sums of one group of numbers, `[texel row][real][texel column]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Group {
     pub scale: usize,
     /// The encoding's numbers `first` to before `first + reals`.
@@ -32,31 +37,23 @@ pub struct Group {
     pub reals: usize,
     pub rows: usize,
     pub columns: usize,
-    pub sums: Vec<f32>,
+    pub sums: Sums,
 }
 
 impl Group {
-    fn transposed(&self) -> Self {
-        let mut sums = vec![0.0; self.sums.len()];
-        for row in 0..self.rows {
-            for real in 0..self.reals {
-                for column in 0..self.columns {
-                    sums[(column * self.reals + real) * self.rows + row] =
-                        self.sums[(row * self.reals + real) * self.columns + column];
-                }
-            }
-        }
-        Self { rows: self.columns, columns: self.rows, sums, ..*self }
+    /// Sums of the rows that a task takes.
+    pub fn strip(&self) -> usize {
+        self.reals * self.columns * STRIP / self.scale
     }
 
     /// One number of a row of texels.
-    pub fn row(&self, row: usize, real: usize) -> &[f32] {
-        &self.sums[(row * self.reals + real) * self.columns..][..self.columns]
+    pub fn row(&self, row: usize, real: usize) -> Cow<'_, [f32]> {
+        self.sums.at((row * self.reals + real) * self.columns, self.columns)
     }
 }
 
 /// The numbers of all pixels while azimuths are added.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Accumulator {
     encoding: Encoding,
     azimuths: usize,
@@ -82,13 +79,43 @@ impl Plane {
             Major::Column => self.elevations_rad[column * self.stride + row],
         }
     }
+
+    /// Some rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.
+    fn rows<'a>(
+        &'a self,
+        rows: Range<usize>,
+        columns: usize,
+        turned: bool,
+        buffer: &'a mut Vec<f32>,
+    ) -> (&'a [f32], usize) {
+        if !turned {
+            return (&self.elevations_rad[rows.start * self.stride..], self.stride);
+        }
+        buffer.resize(rows.len() * columns, 0.0);
+        for (column, along) in self.elevations_rad.chunks(self.stride).take(columns).enumerate() {
+            for (row, elevation_rad) in along[rows.clone()].iter().enumerate() {
+                buffer[row * columns + column] = *elevation_rad;
+            }
+        }
+        (buffer, columns)
+    }
 }
 
 impl Accumulator {
+    /// Sums in memory, all 0.
     pub fn new(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
+        Self::with(encoding, columns, rows, azimuths, |length| Sums::Memory(vec![0.0; length]))
+    }
+
+    /// Sums that are kept in a checkpoint, all 0.
+    pub fn on_disk(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> Self {
+        Self::with(encoding, columns, rows, azimuths, |length| Sums::Disk { length, file: None })
+    }
+
+    fn with(encoding: Encoding, columns: usize, rows: usize, azimuths: usize, sums: impl Fn(usize) -> Sums) -> Self {
         let group = |scale: usize, first: usize, reals: usize| {
             let (columns, rows) = (columns.div_ceil(scale), rows.div_ceil(scale));
-            Group { scale, first, reals, rows, columns, sums: vec![0.0; reals * columns * rows] }
+            Group { scale, first, reals, rows, columns, sums: sums(reals * columns * rows) }
         };
         let texel = 2 * TEXEL_COEFFICIENTS;
         let groups = match encoding.family() {
@@ -112,37 +139,56 @@ impl Accumulator {
         self.rows
     }
 
-    /// Adds planes in their order.
-    pub fn add(&mut self, planes: &[Plane]) {
-        let (columns, rows) = (self.columns, self.rows);
-        let all: Vec<_> = planes.iter().map(|plane| weights(self.encoding, plane.azimuth, self.azimuths)).collect();
-        for group in &mut self.groups {
-            let (scale, width, reals) = (group.scale, group.columns, group.reals);
-            let numbers = group.first..group.first + reals;
-            let strip = reals * width * STRIP / scale;
-            group.sums.par_chunks_mut(strip).enumerate().for_each(|(i, sums)| {
-                let mut means = vec![0.0; width];
-                for (row, sums) in sums.chunks_mut(reals * width).enumerate() {
-                    let first = i * STRIP + row * scale;
-                    let last = (first + scale).min(rows);
-                    for (plane, weights) in planes.iter().zip(&all) {
-                        wide(
-                            #[inline(always)]
-                            || {
-                                box_means(plane, columns, first..last, scale, &mut means);
-                                add_scaled(&means, &weights[numbers.clone()], sums);
-                            },
-                        );
-                    }
-                }
-            });
+    pub fn in_memory(&self) -> bool {
+        self.groups.iter().all(|group| matches!(group.sums, Sums::Memory(_)))
+    }
+
+    /// Bytes of all sums.
+    pub fn bytes(&self) -> usize {
+        4 * self.groups.iter().map(|group| group.sums.length()).sum::<usize>()
+    }
+
+    /// Adds planes in their order to sums in memory.
+    pub fn add(&mut self, planes: &[Plane], major: Major) {
+        for index in 0..self.groups.len() {
+            // Taken out, so that the rest can be read meanwhile.
+            let Sums::Memory(sums) = &mut self.groups[index].sums else { continue };
+            let mut sums = std::mem::take(sums);
+            self.add_to(index, 0, &mut sums, planes, major);
+            self.groups[index].sums = Sums::Memory(sums);
         }
     }
 
-    /// Exchanges rows and columns, one group at a time: memory for one more group, not for all.
-    pub fn transpose(&mut self) {
-        self.groups.iter_mut().for_each(|group| *group = group.transposed());
-        (self.columns, self.rows) = (self.rows, self.columns);
+    /// Adds planes, which lie along one axis, in their order to the sums of some strips of a group.
+    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane], major: Major) {
+        let (columns, rows) = (self.columns, self.rows);
+        let group = &self.groups[index];
+        let (scale, width, reals) = (group.scale, group.columns, group.reals);
+        let of_group = |plane: &Plane| {
+            let mut all = weights(self.encoding, plane.azimuth, self.azimuths);
+            all.drain(group.first..group.first + reals).collect()
+        };
+        let weights: Vec<Vec<f32>> = planes.iter().map(of_group).collect();
+        let of_strip = |buffers: &mut (Vec<f32>, Vec<f32>), (i, sums): (usize, &mut [f32])| {
+            let (means, turned) = buffers;
+            means.resize(width, 0.0);
+            let first = (first_strip + i) * STRIP;
+            let strip = first..(first + STRIP).min(rows);
+            for (plane, weights) in planes.iter().zip(&weights) {
+                let (pixels, stride) = plane.rows(strip.clone(), columns, major == Major::Column, turned);
+                for (row, sums) in sums.chunks_mut(reals * width).enumerate() {
+                    let within = row * scale..((row + 1) * scale).min(strip.len());
+                    wide(
+                        #[inline(always)]
+                        || {
+                            box_means(pixels, stride, columns, within.clone(), scale, means);
+                            add_scaled(means, weights, sums);
+                        },
+                    );
+                }
+            }
+        };
+        sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
     }
 
     /// The sums as a map, its errors not yet measured.
@@ -161,10 +207,12 @@ impl Accumulator {
     fn halves(&self, word: impl Fn([f32; 2]) -> u32) -> Vec<Texels> {
         let level = |(group, page): (&Group, _)| {
             let mut level = Texels::empty(self.columns, self.rows, page);
-            for (i, texel) in level.words.chunks_mut(page.words).enumerate() {
-                let (row, column) = (i / group.columns, i % group.columns);
-                for (slot, packed) in texel.iter_mut().enumerate() {
-                    *packed = word([0, 1].map(|half| group.row(row, 2 * slot + half)[column]));
+            for (row, texels) in level.words.chunks_mut(page.words * group.columns).enumerate() {
+                let reals: Vec<_> = (0..group.reals).map(|real| group.row(row, real)).collect();
+                for (column, texel) in texels.chunks_mut(page.words).enumerate() {
+                    for (slot, packed) in texel.iter_mut().enumerate() {
+                        *packed = word([0, 1].map(|half| reals[2 * slot + half][column]));
+                    }
                 }
             }
             level
@@ -194,8 +242,8 @@ fn weights(encoding: Encoding, azimuth: usize, azimuths: usize) -> Vec<f32> {
 
 /// Means over boxes of pixels, as far as the boxes lie in the plane.
 #[inline(always)]
-fn box_means(plane: &Plane, columns: usize, rows: std::ops::Range<usize>, scale: usize, means: &mut [f32]) {
-    let row_of = |row: usize| &plane.elevations_rad[row * plane.stride..row * plane.stride + columns];
+fn box_means(pixels: &[f32], stride: usize, columns: usize, rows: Range<usize>, scale: usize, means: &mut [f32]) {
+    let row_of = |row: usize| &pixels[row * stride..row * stride + columns];
     if scale == 1 {
         means.copy_from_slice(row_of(rows.start));
         return;
@@ -242,7 +290,7 @@ mod tests {
         let (columns, rows) = (11, 9);
         let mut sums = Accumulator::new(Encoding::F16, columns, rows, 64);
         let planes = planes(columns, rows, 64);
-        sums.add(&planes);
+        sums.add(&planes, Major::Row);
         let map = sums.map();
         for (column, row) in [(0, 0), (10, 8), (4, 5)] {
             let profile: Vec<_> = planes.iter().map(|p| f64::from(p.elevations_rad[row * columns + column])).collect();
@@ -256,26 +304,33 @@ mod tests {
     }
 
     #[test]
-    fn turning_the_sums_turns_the_map_and_back() {
-        let mut sums = Accumulator::new(Encoding::Fm16, 19, 10, 40);
-        sums.add(&planes(19, 10, 40));
-        let mut turned = sums.clone();
-        turned.transpose();
-        let [after, before] = [turned.map(), sums.map()];
-        assert_eq!(after.levels[2].columns, 3);
-        assert_eq!(after.levels[0].texel(3, 5), before.levels[0].texel(5, 3));
-        turned.transpose();
-        assert!(turned == sums);
+    fn a_plane_along_the_columns_adds_what_the_same_one_along_the_rows_does() {
+        let (columns, rows) = (19, 10);
+        let along_rows = planes(columns, rows, 40);
+        let turned = |plane: &Plane| {
+            let elevations_rad = (0..columns * 16)
+                .map(|i| (i / 16, i % 16))
+                .map(|(column, row)| if row < rows { plane.elevations_rad[row * columns + column] } else { f32::NAN });
+            Plane { azimuth: plane.azimuth, stride: 16, elevations_rad: elevations_rad.collect() }
+        };
+        let along_columns: Vec<_> = along_rows.iter().map(turned).collect();
+        for encoding in [Encoding::Fm16, Encoding::F16, Encoding::W16, Encoding::Raw12] {
+            let mut sums = [(); 2].map(|()| Accumulator::new(encoding, columns, rows, 40));
+            sums[0].add(&along_rows, Major::Row);
+            sums[1].add(&along_columns, Major::Column);
+            assert!(sums[0].map() == sums[1].map());
+        }
     }
 
     #[test]
     fn partial_boxes_average_the_pixels_they_have() {
         let mut sums = Accumulator::new(Encoding::Fm16, 9, 9, 40);
         let ramp = (0..81).map(|i| (i % 9) as f32).collect();
-        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }]);
+        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }], Major::Row);
         // The last of two boxes of 8 holds column 8 alone; 2/40 is the weight of a cosine at azimuth 0.
         let group = &sums.groups[3];
         assert_eq!((group.columns, group.rows), (2, 2));
-        assert!((group.sums[1] - 8.0 * 2.0 / 40.0).abs() < 1e-6 && (group.sums[0] - 3.5 * 2.0 / 40.0).abs() < 1e-6);
+        let sums = group.row(0, 0);
+        assert!((sums[1] - 8.0 * 2.0 / 40.0).abs() < 1e-6 && (sums[0] - 3.5 * 2.0 / 40.0).abs() < 1e-6);
     }
 }

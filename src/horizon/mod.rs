@@ -24,6 +24,7 @@ pub mod fit;
 pub mod georeference;
 pub mod inspect;
 pub mod measure;
+pub mod memory;
 pub mod method;
 pub mod numbers;
 pub mod pack;
@@ -38,8 +39,9 @@ pub mod trace;
 
 pub use band::Band;
 pub use bound::{BoundStatistics, Bounds};
-pub use build::{build, open_or_build};
+pub use build::{build, build_at, open_or_build};
 pub use error::{Error, ErrorStatistics, TileErrors};
+pub use memory::Memory;
 pub use method::Method;
 pub use pack::{Encoding, Horizon, HorizonMap, Texels};
 pub use request::Request;

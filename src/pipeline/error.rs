@@ -31,6 +31,12 @@ pub enum Error {
     Dataset(#[from] crate::dataset::DatasetError),
     #[error("cannot write {path}")]
     Unwritable { path: PathBuf, source: std::io::Error },
+    #[error("{path} lists the tiles of another globe: {difference}; choose another folder, or remove it")]
+    OtherGlobe { path: PathBuf, difference: String },
+    #[error("{path} is not the index of a globe")]
+    Index { path: PathBuf, source: serde_json::Error },
+    #[error("--tiles names no tile: there are faces 0 to 5 and levels 0 to {}", levels - 1)]
+    NoTiles { levels: usize },
     #[error(
         "trajectory: at exposure {exposure} ({epoch_utc}) the camera is {height_m:.1} m above the reference surface, \
          the ground below it {ground_m:.1} m; the camera must be above the ground"

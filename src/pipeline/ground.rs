@@ -9,7 +9,7 @@ use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap, Key};
+use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
@@ -205,6 +205,7 @@ pub fn horizons<E: From<Error>>(
     settings: &horizon::Settings,
     encoding: Encoding,
     folder: &Path,
+    memory: Memory,
     progress: &dyn Progress,
     mut finished: impl FnMut(&Tile) -> Result<(), E>,
 ) -> Result<Vec<Vec<HorizonMap>>, E> {
@@ -224,7 +225,7 @@ pub fn horizons<E: From<Error>>(
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
             let key = request.key();
             let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());

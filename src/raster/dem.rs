@@ -15,7 +15,7 @@ use glam::DVec2;
 
 use gdal::Dataset;
 use gdal::errors::GdalError;
-use gdal::raster::{GdalDataType, RasterBand};
+use gdal::raster::{GdalDataType, GdalType, RasterBand};
 
 use super::{Error, Georeference, Projector, keep_gdal_quiet};
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
@@ -32,7 +32,7 @@ pub enum Values {
     Radius,
 }
 
-/// A rectangle of pixels.
+/// A rectangle of pixels. Where columns run all the way around the body it may go on past the last one with the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
     pub column: usize,
@@ -64,6 +64,9 @@ pub struct Options {
     /// Accept a CRS whose body has another radius.
     pub any_body: bool,
 }
+
+/// Columns of a file that are looked through at a time.
+const STRIP_COLUMNS: usize = 4096;
 
 /// Heights on the pixels of a map.
 #[derive(Clone, PartialEq)]
@@ -97,6 +100,24 @@ pub(super) struct Pole {
 
 impl Dem {
     pub fn open(path: &Path, body: &Body, options: &Options) -> Result<Self, Error> {
+        let mut heights_m = Vec::new();
+        let (georeference, columns, rows) =
+            Self::read_rows(path, body, options, |reader, row| reader.read_row(row, &mut heights_m))?;
+        if heights_m.iter().all(|height| height.is_nan()) {
+            return Err(Error::AllNodata { path: path.into() });
+        }
+        let mut dem = Self { path: path.into(), georeference, columns, rows, heights_m, seams: Seams::default() };
+        dem.seams = dem.find_seams()?;
+        Ok(dem)
+    }
+
+    /// Hands each row of what the options ask for to `read`; tells where it lies and its size.
+    fn read_rows(
+        path: &Path,
+        body: &Body,
+        options: &Options,
+        mut read: impl FnMut(&mut Reader, usize) -> Result<(), Error>,
+    ) -> Result<(Georeference, usize, usize), Error> {
         keep_gdal_quiet();
         let dataset = open_dataset(path)?;
         let band = choose_band(path, &dataset, options.band)?;
@@ -111,28 +132,35 @@ impl Dem {
         };
         let (columns, rows) = (window.columns / reduction, window.rows / reduction);
         let reduced = Georeference::new(&whole.wkt, part(whole.geotransform, window, reduction), columns)?;
-        let mut reader = Reader {
-            path,
-            band,
-            body,
-            values: options.values,
-            window,
-            reduction,
-            whole: &whole,
-            projector: whole.projector()?,
-            masked: Vec::new(),
-        };
-        let mut heights_m = Vec::with_capacity(columns * rows);
+        let projector = whole.projector()?;
+        let (values, masked) = (options.values, Vec::new());
+        let mut reader = Reader { path, band, body, values, window, reduction, whole: &whole, projector, masked };
         for row in 0..rows {
-            reader.read_row(row, &mut heights_m)?;
+            read(&mut reader, row)?;
         }
-        if heights_m.iter().all(|height| height.is_nan()) {
-            return Err(Error::AllNodata { path: path.into() });
+        Ok((reduced, columns, rows))
+    }
+
+    /// Lowest and highest height of a file, which is looked through and not kept.
+    pub fn extremes_m(path: &Path, body: &Body, options: &Options) -> Result<[f64; 2], Error> {
+        let mut extremes_m = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut heights_m = Vec::new();
+        keep_gdal_quiet();
+        let (columns, rows) = open_dataset(path)?.raster_size();
+        // Strips narrow enough that the blocks of a tiled file are read once.
+        let strips = columns.div_ceil(STRIP_COLUMNS);
+        for strip in 0..strips {
+            let [column, end] = [strip, strip + 1].map(|strip| strip * columns / strips);
+            let window = Some(Window { column, row: 0, columns: end - column, rows });
+            Self::read_rows(path, body, &Options { window, ..options.clone() }, |reader, row| {
+                heights_m.clear();
+                reader.read_row(row, &mut heights_m)?;
+                let known = heights_m.iter().map(|height_m| f64::from(*height_m)).filter(|height_m| !height_m.is_nan());
+                extremes_m = known.fold(extremes_m, |[low, high], height_m| [low.min(height_m), high.max(height_m)]);
+                Ok(())
+            })?;
         }
-        let mut dem =
-            Self { path: path.into(), georeference: reduced, columns, rows, heights_m, seams: Seams::default() };
-        dem.seams = dem.find_seams()?;
-        Ok(dem)
+        if extremes_m[0] > extremes_m[1] { Err(Error::AllNodata { path: path.into() }) } else { Ok(extremes_m) }
     }
 
     /// The place in the middle of a file's pixels. Its heights are not read.
@@ -142,6 +170,13 @@ impl Dem {
         let (columns, rows) = dataset.raster_size();
         let pixel = (DVec2::new(columns as f64, rows as f64) - 1.0) / 2.0;
         Ok(Geodetic { height_m: 0.0, ..georeference(path, &dataset)?.projector()?.geodetics(&[pixel])[0] })
+    }
+
+    /// Distance of a file's pixels, along a meridian where they are angles.
+    pub fn posting_m(path: &Path) -> Result<f64, Error> {
+        keep_gdal_quiet();
+        let georeference = georeference(path, &open_dataset(path)?)?;
+        Ok(georeference.pixel_size() * georeference.metres_per_unit())
     }
 
     /// Points of the surface at pixel coordinates; at the mean height where there is no data.
@@ -161,8 +196,7 @@ impl Dem {
 
     fn find_seams(&self) -> Result<Seams, Error> {
         let Some(period) = self.georeference.period_columns else { return Ok(Seams::default()) };
-        let whole_turn = (period - period.round()).abs() < 0.01 && self.columns as f64 > period - 0.5;
-        if !whole_turn {
+        if !whole_turn(self.columns, period) {
             return Ok(Seams::default());
         }
         let figure = &self.georeference.figure;
@@ -280,7 +314,7 @@ fn reduction(georeference: &Georeference, window: Window, posting_m: Option<f64>
 }
 
 /// The part of a window that holds the ground around a place, in whole blocks of `reduction` pixels, so that
-/// blocks are those of the window. All columns where the map runs around the body and so has a seam.
+/// blocks are those of the window. Where columns run around the body the part may lie across the seam.
 fn needed(
     whole: &Georeference,
     body: &Body,
@@ -300,7 +334,8 @@ fn needed(
     };
     let places: Vec<_> = (0..(2 * PROBES + 1).pow(2)).map(|index| Position::from_m(place(index))).collect();
     let seen = whole.projector()?.pixels(&places).into_iter().filter(|pixel| pixel.is_finite());
-    let (low, high) = seen.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    let seen: Vec<DVec2> = seen.collect();
+    let (low, high) = seen.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
     // Edges bend between probes, and interpolation looks two blocks further.
     let margin = (high - low) * 0.01 + 3.0 * reduction as f64;
     let part = |low: f64, high: f64, start: usize, count: usize| {
@@ -311,7 +346,12 @@ fn needed(
     };
     let (low, high) = (low - margin, high + margin);
     let (row, rows) = part(low.y, high.y, window.row, window.rows);
+    let inside = row > window.row && row + rows < window.row + window.rows / reduction * reduction;
     let (column, columns) = match whole.period_columns {
+        // Over a pole the map goes on half a turn away.
+        Some(period) if inside && (window.columns as f64 - period).abs() < 0.01 => {
+            around_the_body(&seen, window.columns, reduction)
+        }
         Some(_) => (window.column, window.columns),
         None => part(low.x, high.x, window.column, window.columns),
     };
@@ -320,10 +360,54 @@ fn needed(
     Ok(if some { Window { column, row, columns, rows } } else { window })
 }
 
+/// Whether columns run once around the body and meet.
+fn whole_turn(columns: usize, period: f64) -> bool {
+    (period - period.round()).abs() < 0.01 && columns as f64 > period - 0.5
+}
+
+/// The shortest run of columns around the body that holds all pixels seen, widened by a margin, in whole blocks; all
+/// columns where that is most of them.
+fn around_the_body(seen: &[DVec2], columns: usize, reduction: usize) -> (usize, usize) {
+    let period = columns as f64;
+    let mut at: Vec<f64> = seen.iter().map(|pixel| pixel.x.rem_euclid(period)).collect();
+    at.sort_by(f64::total_cmp);
+    // What is left out is the widest gap.
+    let next = |i: usize| if i + 1 < at.len() { at[i + 1] } else { at[0] + period };
+    let Some(end) = (0..at.len()).max_by(|a, b| (next(*a) - at[*a]).total_cmp(&(next(*b) - at[*b]))) else {
+        return (0, columns);
+    };
+    let gap = next(end) - at[end];
+    let margin = (period - gap) * 0.01 + 3.0 * reduction as f64;
+    let blocks = ((period - gap + 2.0 * margin) / reduction as f64) as usize + 2;
+    let first = ((next(end) - margin).rem_euclid(period) / reduction as f64) as usize * reduction;
+    if gap < 0.5 * period || blocks * reduction >= columns { (0, columns) } else { (first, blocks * reduction) }
+}
+
 /// The affine map of the pixels of a window, averaged `reduction` × `reduction`.
 fn part(g: [f64; 6], window: Window, reduction: usize) -> [f64; 6] {
     let (column, row, n) = (window.column as f64, window.row as f64, reduction as f64);
     [g[0] + column * g[1] + row * g[2], g[1] * n, g[2] * n, g[3] + column * g[4] + row * g[5], g[4] * n, g[5] * n]
+}
+
+/// Reads a window of a band that may go on past the last column with the first.
+fn read_around<T: GdalType + Copy>(
+    band: &RasterBand,
+    (column, row): (isize, isize),
+    (columns, rows): (usize, usize),
+    values: &mut [T],
+) -> Result<(), GdalError> {
+    let before = columns.min((band.x_size() as isize - column) as usize);
+    if before == columns {
+        return band.read_into_slice((column, row), (columns, rows), (columns, rows), values, None);
+    }
+    for (column, from, columns_here) in [(column, 0, before), (0, before, columns - before)] {
+        let size = (columns_here, rows);
+        let part = band.read_as::<T>((column, row), size, size, None)?;
+        for (row, part) in part.data().chunks(columns_here).enumerate() {
+            values[row * columns + from..][..columns_here].copy_from_slice(part);
+        }
+    }
+    Ok(())
 }
 
 /// Reads rows as heights, one call of GDAL a row of the result.
@@ -363,11 +447,11 @@ impl Reader<'_> {
         let size = (self.window.columns, self.reduction);
         let origin = (self.window.column as isize, first_row as isize);
         let mut values = vec![0.0; size.0 * size.1];
-        self.band.read_into_slice(origin, size, size, &mut values, None)?;
         let unmasked = self.band.mask_flags()?.is_all_valid();
+        read_around(&self.band, origin, size, &mut values)?;
         if !unmasked {
             self.masked.resize(values.len(), 0);
-            self.band.open_mask_band()?.read_into_slice(origin, size, size, &mut self.masked, None)?;
+            read_around(&self.band.open_mask_band()?, origin, size, &mut self.masked)?;
         }
         let (scale, offset) = (self.band.scale().unwrap_or(1.0), self.band.offset().unwrap_or(0.0));
         let sentinel = self.band.band_type() == GdalDataType::Int16 && unmasked;

@@ -46,8 +46,15 @@ pub enum Error {
     Rename { from: PathBuf, to: PathBuf, source: io::Error },
 }
 
+/// Blocks of files that GDAL may keep in memory, in MiB; by itself it takes a twentieth of the machine's.
+const CACHE_MIB: &str = "16";
+
 /// GDAL's messages reach the user through our errors. By default it prints them to the terminal as well.
 pub(super) fn keep_gdal_quiet() {
     static ONCE: Once = Once::new();
-    ONCE.call_once(|| gdal::config::set_error_handler(|_, _, _| {}));
+    ONCE.call_once(|| {
+        gdal::config::set_error_handler(|_, _, _| {});
+        // Refused only for a name or a value with a NUL in it.
+        let _ = gdal::config::set_config_option("GDAL_CACHEMAX", CACHE_MIB);
+    });
 }

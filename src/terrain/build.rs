@@ -41,6 +41,7 @@ mod error;
 mod fill;
 mod grid;
 mod resampling;
+mod tile;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -48,6 +49,7 @@ use rayon::prelude::*;
 pub use error::Error;
 use grid::{Grid, Rectangle};
 pub use resampling::ResamplingError;
+pub use tile::{GlobalDem, build_tile};
 
 use super::{Face, Gnomonic, Level};
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};

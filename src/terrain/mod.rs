@@ -5,11 +5,13 @@ pub mod gnomonic;
 pub mod level;
 mod march;
 pub mod pyramid;
+pub mod quadtree;
 pub mod surface;
 pub mod synthetic;
 
-pub use build::{NestedDem, ResamplingError, build_cube, build_face};
+pub use build::{GlobalDem, NestedDem, ResamplingError, build_cube, build_face, build_tile};
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
 pub use pyramid::Pyramid;
+pub use quadtree::{QuadTree, TileId};
 pub use surface::{Ground, Hit, Surface};

@@ -1,6 +1,6 @@
 //! Skylines found in advance: the pass against the reference, and both against series evaluated at every sample.
 
-use perilune::horizon::{Encoding, HorizonMap, Settings};
+use perilune::horizon::{Encoding, HorizonMap, Memory, Settings};
 use perilune::pipeline::{self, Silent, ground};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
@@ -13,7 +13,7 @@ fn maps(scene: &Scene, encoding: Encoding) -> Vec<Vec<HorizonMap>> {
     let folder = tempfile::tempdir().unwrap();
     let settings = Settings { azimuths: 48, ..Settings::default() };
     let finished = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
-    ground::horizons(&scene.surface, &settings, encoding, folder.path(), &Silent, finished).unwrap()
+    ground::horizons(&scene.surface, &settings, encoding, folder.path(), Memory::default(), &Silent, finished).unwrap()
 }
 
 /// The nested terrain seen obliquely, the Sun at 3°, with its horizon maps.

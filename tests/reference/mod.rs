@@ -2,6 +2,7 @@
 
 mod default_kernels;
 mod ephemeris;
+mod globe;
 mod horizon;
 mod photometry;
 mod raster;

@@ -4,8 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use perilune::evaluate::machine::peak_memory_mib;
 use perilune::geometry::Geodetic;
-use perilune::horizon::{self, Encoding, ErrorStatistics};
+use perilune::horizon::{self, Encoding, ErrorStatistics, Memory};
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground, Tile};
 use serde_json::{Value as Json, json};
@@ -43,6 +44,9 @@ pub struct Args {
     /// resolution; raw8, raw12, raw16: sampled azimuths; w11, w16, w21: a water-filled pyramid of that many bytes a node
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
+    /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
+    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    memory: usize,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -69,7 +73,9 @@ impl From<Method> for horizon::Method {
 pub fn run(args: Args) -> Outcome {
     let output = args.output.ok_or("no directory for the tiles is given: --output DIR")?;
     let bars = Bars::new();
-    let ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    let mut ground = args.levels.ground(&args.dems, args.at, &bars)?;
+    // No rays are shot here.
+    ground.surface.pyramids = Vec::new();
     ground.resampling.iter().for_each(|line| bars.say(line));
     let settings = horizon::Settings {
         azimuths: args.azimuths,
@@ -88,7 +94,8 @@ pub fn run(args: Args) -> Outcome {
         all.push(facts);
         Ok(())
     };
-    ground::horizons(&ground.surface, &settings, args.encoding, &output, &bars, finished)?;
+    let memory = Memory::mib(args.memory);
+    ground::horizons(&ground.surface, &settings, args.encoding, &output, memory, &bars, finished)?;
     bars.clear();
     if args.json {
         say(format_args!("{:#}", Json::from(all)))?;
@@ -113,6 +120,7 @@ fn facts(ground: &Ground, settings: &horizon::Settings, tile: &Tile) -> Result<J
         "bytes": std::fs::metadata(&tile.path)?.len(),
         "built_s": tile.built_s,
         "samples_per_s": tile.built_s.map(|seconds| samples / seconds),
+        "peak_memory_mib": peak_memory_mib(),
         "measured_pixels": errors.pixels,
         "swept_error_deg": in_degrees(&errors.swept),
         "decoded_error_deg": in_degrees(&errors.decoded),

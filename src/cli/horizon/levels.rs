@@ -9,6 +9,7 @@ use perilune::horizon::Request;
 use perilune::horizon::store::Header;
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground};
+use perilune::raster;
 use perilune::scenario::{self, Dem};
 
 /// How DEMs become levels.
@@ -33,7 +34,7 @@ pub struct Args {
 
 /// The reference surface.
 #[derive(Debug, clap::Args)]
-struct BodyArgs {
+pub struct BodyArgs {
     /// Body, as moon, mars or any that the default kernels have constants of
     #[arg(long, default_value = "moon")]
     body: String,
@@ -43,15 +44,25 @@ struct BodyArgs {
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum Values {
+pub enum Values {
     #[default]
     Auto,
     Height,
     Radius,
 }
 
+impl From<Values> for raster::Values {
+    fn from(values: Values) -> Self {
+        match values {
+            Values::Auto => Self::Auto,
+            Values::Height => Self::Height,
+            Values::Radius => Self::Radius,
+        }
+    }
+}
+
 impl BodyArgs {
-    fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
+    pub fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
         let body = Almanac::default_kernels(&default_kernel_folder())?.body_frame(&self.body, None)?.body;
         Ok(match self.radius {
             Some(radius_m) => Body { equatorial_radius_m: radius_m, polar_radius_m: radius_m, ..body },

@@ -256,7 +256,7 @@ impl Patch {
                 elevations_rad: plane.elevations_rad.iter().map(|elevation_rad| relevant(*elevation_rad)).collect(),
                 ..*plane
             };
-            sums.add(&planes.iter().map(clamped).collect::<Vec<_>>());
+            sums.add(&planes.iter().map(clamped).collect::<Vec<_>>(), Major::Row);
         }
         sums.map()
     }

@@ -19,9 +19,12 @@
 //! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3. Burt & Adelson (1983), *The Laplacian pyramid as a
 //! compact image code*, doi:10.1109/TCOM.1983.1095851.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::Group;
+use super::sums::Sums;
 use crate::horizon::pack::{Encoding, Field, Page, Texels};
 
 /// Most bits of a field.
@@ -49,7 +52,7 @@ struct Choice {
 type Means = [Group];
 
 /// One coefficient over a row of texels.
-fn row_of(means: &Means, row: usize, real: usize) -> &[f32] {
+fn row_of(means: &Means, row: usize, real: usize) -> Cow<'_, [f32]> {
     let reals = means[0].reals;
     means[real / reals].row(row, real % reals)
 }
@@ -104,8 +107,8 @@ fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
 /// Means over boxes of `scale²` texels, as far as they lie in the map.
 fn box_means(sums: &Group, scale: usize) -> Group {
     let (columns, rows) = (sums.columns.div_ceil(scale), sums.rows.div_ceil(scale));
-    let mut means = Group { scale, columns, rows, sums: vec![0.0; columns * rows * sums.reals], ..*sums };
-    means.sums.par_chunks_mut(columns * sums.reals).enumerate().for_each(|(row, means)| {
+    let mut means = vec![0.0; columns * rows * sums.reals];
+    means.par_chunks_mut(columns * sums.reals).enumerate().for_each(|(row, means)| {
         let rows = row * scale..((row + 1) * scale).min(sums.rows);
         for (real, means) in means.chunks_mut(columns).enumerate() {
             for row in rows.clone() {
@@ -115,7 +118,7 @@ fn box_means(sums: &Group, scale: usize) -> Group {
             }
         }
     });
-    means
+    Group { scale, columns, rows, sums: Sums::Memory(means), ..*sums }
 }
 
 /// What the coarser pages leave of a page's means.
@@ -130,7 +133,7 @@ struct Residual<'a> {
 impl Residual<'_> {
     /// One coefficient over a row of texels.
     fn row(&self, row: usize, real: usize, residual: &mut [f32]) {
-        residual.copy_from_slice(row_of(self.means, row, real));
+        residual.copy_from_slice(&row_of(self.means, row, real));
         let scale = self.means[0].scale;
         for page in self.coarser {
             let (low, high, share) = corner(row, scale, page.scale, page.rows);
@@ -279,6 +282,6 @@ fn quantise(residual: &Residual, fields: &[Field], page: Page, decode: bool) -> 
     let lines: Vec<_> = (0..rows).into_par_iter().map(quantised).collect();
     let (words, decoded): (Vec<_>, Vec<_>) = lines.into_iter().unzip();
     let level = Texels { columns, rows, words_per_texel: page.words, words: words.concat() };
-    let means = decode.then(|| Group { scale, first: 0, reals, rows, columns, sums: decoded.concat() });
+    let means = decode.then(|| Group { scale, first: 0, reals, rows, columns, sums: Sums::Memory(decoded.concat()) });
     (level, means)
 }

@@ -48,6 +48,32 @@ impl Grid {
         Self { anchor_m: DVec2::ZERO, posting_m, first: [first; 2], columns: side, rows: side }
     }
 
+    /// Nodes `low` to `high` of a lattice, both included.
+    pub fn between(anchor_m: DVec2, posting_m: f64, low: [i64; 2], high: [i64; 2]) -> Self {
+        let [columns, rows] = [0, 1].map(|axis| (high[axis] - low[axis] + 1) as usize);
+        Self { anchor_m, posting_m, first: low, columns, rows }
+    }
+
+    /// Its parts of at most `side × side` nodes.
+    pub fn blocks(&self, side: usize) -> impl Iterator<Item = Self> + '_ {
+        let starts =
+            (0..self.rows).step_by(side).flat_map(move |row| (0..self.columns).step_by(side).map(move |c| (c, row)));
+        starts.map(move |(column, row)| Self {
+            first: [self.first[0] + column as i64, self.first[1] + row as i64],
+            columns: side.min(self.columns - column),
+            rows: side.min(self.rows - row),
+            ..*self
+        })
+    }
+
+    /// Puts the values of a part into those of the whole.
+    pub fn put(&self, part: &Self, values: &[f64], whole: &mut [f64]) {
+        let [column, row] = [0, 1].map(|axis| (part.first[axis] - self.first[axis]) as usize);
+        for (i, values) in values.chunks(part.columns).enumerate() {
+            whole[(row + i) * self.columns + column..][..part.columns].copy_from_slice(values);
+        }
+    }
+
     /// All nodes of a lattice inside a rectangle, if they make a cell at least.
     fn inside(anchor_m: DVec2, posting_m: f64, rectangle: Rectangle) -> Option<Self> {
         let slack = DVec2::splat(1e-6);

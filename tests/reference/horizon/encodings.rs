@@ -6,6 +6,7 @@ use glam::DVec2;
 use half::f16;
 use perilune::horizon::fit::{Accumulator, Plane};
 use perilune::horizon::pack::Family;
+use perilune::horizon::sweep::grid::Major;
 use perilune::horizon::{Encoding, HorizonMap};
 
 const SIDE: usize = 32;
@@ -31,7 +32,7 @@ fn planes() -> Vec<Plane> {
 
 fn encoded(encoding: Encoding) -> HorizonMap {
     let mut sums = Accumulator::new(encoding, SIDE, SIDE, AZIMUTHS);
-    sums.add(&planes());
+    sums.add(&planes(), Major::Row);
     sums.map()
 }
 

@@ -10,7 +10,7 @@ use perilune::horizon::build::Builder;
 use perilune::horizon::inspect::Place;
 use perilune::horizon::store;
 use perilune::horizon::trace::Tracer;
-use perilune::horizon::{Band, Encoding, Error, Request, Settings, build, open_or_build};
+use perilune::horizon::{Band, Encoding, Error, Memory, Request, Settings, build, build_at, open_or_build};
 use perilune::terrain::Face;
 
 use super::scene::cratered;
@@ -84,12 +84,12 @@ fn a_second_run_reuses_the_tile_and_a_changed_height_does_not() {
     let mut face = cratered(65, 20.0, 1);
     let calls = Mutex::new(0);
     let count = |_: usize, _: usize| *calls.lock().unwrap() += 1;
-    let first = open_or_build(&request(&face), directory.path(), &count).unwrap();
+    let first = open_or_build(&request(&face), directory.path(), Memory::default(), &count).unwrap();
     let after_first = *calls.lock().unwrap();
-    assert!(open_or_build(&request(&face), directory.path(), &count).unwrap() == first);
+    assert!(open_or_build(&request(&face), directory.path(), Memory::default(), &count).unwrap() == first);
     assert_eq!(*calls.lock().unwrap(), after_first);
     face.levels[0].heights_m[7] += 1.0;
-    open_or_build(&request(&face), directory.path(), &count).unwrap();
+    open_or_build(&request(&face), directory.path(), Memory::default(), &count).unwrap();
     assert!(*calls.lock().unwrap() > after_first);
 }
 
@@ -148,7 +148,7 @@ fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     let message = store::read_of(directory.path(), &key).unwrap_err().to_string();
     assert!(message.contains("truncated") && message.contains("horizon_"), "{message}");
-    assert!(open_or_build(&request(&face), directory.path(), &|_, _| ()).unwrap() == built);
+    assert!(open_or_build(&request(&face), directory.path(), Memory::default(), &|_, _| ()).unwrap() == built);
 
     let other = Request { settings: Settings { azimuths: 48, ..settings() }, ..request(&face) }.key();
     fs::write(store::path_for(directory.path(), &other), &whole).unwrap();
@@ -194,17 +194,36 @@ fn settings_out_of_range_are_refused() {
     ));
 }
 
-/// A build that stops half way (its progress callback panics) leaves a checkpoint; the next one goes on from there.
+/// With a budget of nothing the sums are kept on disk.
+#[test]
+fn memory_does_not_change_a_byte() {
+    let face = cratered(97, 20.0, 4);
+    for encoding in [Encoding::Fm16, Encoding::F16] {
+        let request = Request { encoding, ..request(&face) };
+        let bytes = |memory: Memory| {
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("tile.tif");
+            build_at(&request, &path, memory, &|_, _| ()).unwrap();
+            assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1, "nothing but the tile is left behind");
+            fs::read(path).unwrap()
+        };
+        assert!(!Memory::mib(0).share(&request).sums_fit && Memory::default().share(&request).sums_fit);
+        assert!(bytes(Memory::mib(0)) == bytes(Memory::default()));
+    }
+}
+
+/// A build that stops half way leaves a checkpoint; the next one goes on from there, with more memory or with less.
 #[test]
 fn an_interrupted_build_goes_on_to_the_same_bytes() {
     let face = cratered(65, 20.0, 6);
     let (whole, broken) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let path = |directory: &std::path::Path| store::path_for(directory, &request(&face).key());
     build(&request(&face), whole.path(), &|_, _| ()).unwrap();
-    for stop_after in [5, 21, 33] {
-        let mut builder = Builder::new(&request(&face), broken.path()).unwrap();
+    let (much, none) = (Memory::default(), Memory::mib(0));
+    for (stop_after, before, after) in [(5, much, much), (21, none, much), (33, much, none), (13, none, none)] {
+        let mut builder = Builder::new(&request(&face), &path(broken.path()), before).unwrap();
         while builder.done() < stop_after {
-            builder.step();
+            builder.step().unwrap();
         }
         builder.save().unwrap();
         drop(builder);
@@ -212,11 +231,30 @@ fn an_interrupted_build_goes_on_to_the_same_bytes() {
         let note = |done: usize, _: usize| {
             first.lock().unwrap().get_or_insert(done);
         };
-        build(&request(&face), broken.path(), &note).unwrap();
+        build_at(&request(&face), &path(broken.path()), after, &note).unwrap();
         assert!(first.lock().unwrap().unwrap() > stop_after, "it went on and did not start afresh");
         assert!(fs::read(path(whole.path())).unwrap() == fs::read(path(broken.path())).unwrap());
         assert_eq!(fs::read_dir(broken.path()).unwrap().count(), 1, "the checkpoint is gone");
         fs::remove_file(path(broken.path())).unwrap();
+    }
+}
+
+/// A checkpoint with a flipped bit is not believed.
+#[test]
+fn a_damaged_checkpoint_is_ignored() {
+    let face = cratered(65, 20.0, 6);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tile.tif");
+    for memory in [Memory::default(), Memory::mib(0)] {
+        let mut builder = Builder::new(&request(&face), &path, memory).unwrap();
+        builder.step().unwrap();
+        builder.save().unwrap();
+        let checkpoint = path.with_extension("partial");
+        let mut bytes = fs::read(&checkpoint).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&checkpoint, bytes).unwrap();
+        assert_eq!(Builder::new(&request(&face), &path, memory).unwrap().done(), 0);
     }
 }
 

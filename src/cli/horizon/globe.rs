@@ -1,0 +1,130 @@
+//! `sim horizon globe`.
+
+use std::path::PathBuf;
+
+use perilune::horizon::{self, Encoding, Memory};
+use perilune::pipeline::globe::{self, Options, Selection};
+use serde_json::json;
+
+use super::build::{in_degrees, row};
+use super::levels::{self, BodyArgs, Values};
+use crate::cli::bars::Bars;
+use crate::cli::{Outcome, say};
+
+/// Build the horizons of a whole body, tile by tile, from a model of any size.
+///
+/// The sphere is a quad-tree of square tiles over the six faces of a cube (0: latitude 0, longitude 0; 1: south pole; 2: north
+/// pole; 3: 90° east; 4: 90° west; 5: 180°). Tiles that are there are kept: a run that was stopped goes on. The folder gets an
+/// index, globe.json, of all tiles with their bounds and errors.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Elevation model of the whole body
+    #[arg(value_name = "DEM")]
+    dem: PathBuf,
+    /// Folder of the tiles and their index
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Distance of the finest nodes in metres, at most [default: the model's own]
+    #[arg(long, value_name = "M", value_parser = levels::metres)]
+    posting: Option<f64>,
+    /// Cells along a tile's side
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u16).range(16..=2048))]
+    cells: u16,
+    /// Nodes around a tile at its own posting; each coarser level around it reaches as many of its own
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u16).range(40..=2048))]
+    margin: u16,
+    /// Make these tiles only: FACE/LEVEL/COLUMN/ROW, each a number, a range as 0-3, or *; or a box S,W,N,E in degrees
+    #[arg(long, value_name = "TILES", allow_hyphen_values = true)]
+    tiles: Vec<Selection>,
+    /// Number of azimuths, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 360)]
+    azimuths: usize,
+    /// Height of the observer above the ground, in metres
+    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    observer_height: f64,
+    /// How the series are stored
+    #[arg(long, value_name = "NAME", default_value_t)]
+    encoding: Encoding,
+    /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
+    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    memory: usize,
+    /// Compare with traces over the full resolution at so many random places, the poles, the cube's edges and the
+    /// antimeridian; 0 compares nothing
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    check: usize,
+    /// What pixels hold; auto tells heights from radii by their size
+    #[arg(long, value_enum, default_value_t)]
+    values: Values,
+    #[command(flatten)]
+    body: BodyArgs,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  sim horizon globe moon.tif -o moon                          all tiles of all levels
+  sim horizon globe moon.tif -o moon --tiles 1/3              the south polar face at its finest
+  sim horizon globe moon.tif -o moon --tiles=-10,170,10,-170  a box across the antimeridian";
+
+pub fn run(args: Args) -> Outcome {
+    let bars = Bars::new();
+    let settings = horizon::Settings {
+        azimuths: args.azimuths,
+        observer_height_m: args.observer_height,
+        ..horizon::Settings::default()
+    };
+    let options = Options {
+        dem: args.dem,
+        values: args.values.into(),
+        posting_m: args.posting,
+        cells: args.cells.into(),
+        margin: args.margin.into(),
+        settings,
+        encoding: args.encoding,
+        directory: args.output,
+        memory: Memory::mib(args.memory),
+        tiles: args.tiles,
+        checks: args.check,
+    };
+    let start = std::time::Instant::now();
+    let report = globe::build(&args.body.body()?, &options, &bars)?;
+    bars.clear();
+    let seconds = start.elapsed().as_secs_f64();
+    let index = &report.index;
+    let path = options.directory.join(globe::index::FILE);
+    let bytes: u64 = index.tiles.iter().map(|tile| tile.bytes).sum();
+    let checks = index.checks.map(|checks| {
+        json!({
+            "places": checks.places,
+            "coarsening_error_deg": in_degrees(&checks.coarsening),
+            "decoded_error_deg": in_degrees(&checks.decoded),
+        })
+    });
+    if args.json {
+        let facts = json!({
+            "index": path, "tiles": index.tiles.len(), "built": report.built, "kept": report.kept,
+            "seconds": seconds, "bytes": bytes, "checks": checks,
+        });
+        return Ok(say(format_args!("{facts:#}"))?);
+    }
+    say(format_args!(
+        "{}: {} tiles, {:.1} MB, {} built in {seconds:.0} s, {} kept",
+        path.display(),
+        index.tiles.len(),
+        bytes as f64 / 1e6,
+        report.built,
+        report.kept
+    ))?;
+    if let Some(checks) = checks {
+        say(format_args!(
+            "  error at {} places  rms       p95       p99       max (degrees)\n    of coarse levels  {}\n    decoded           {}",
+            checks["places"],
+            row(&checks["coarsening_error_deg"]),
+            row(&checks["decoded_error_deg"]),
+        ))?;
+    }
+    Ok(())
+}

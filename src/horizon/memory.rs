@@ -1,0 +1,59 @@
+//! How much memory a build takes, and what it does with it.
+//!
+//! ```text
+//! budget = program + terrain + prepared heights + sums (or a piece of them) + planes
+//! ```
+//!
+//! Program, terrain and heights are what they are; if the rest holds the sums they stay in memory, else it goes to planes. A
+//! build never fails for its budget: one plane a thread is the least.
+
+use super::fit::Accumulator;
+use super::request::Request;
+
+const MIB: usize = 1 << 20;
+
+/// The program with its libraries (44 MiB with a full GDAL), buffers of files, and what allocators do not give back.
+const PROGRAM: usize = 60 * MIB;
+
+/// Memory that the process may take while it builds a tile, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory(pub usize);
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::mib(2048)
+    }
+}
+
+/// What a budget allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Share {
+    pub sums_fit: bool,
+    /// Azimuths that are swept before they are added.
+    pub planes: usize,
+}
+
+impl Memory {
+    pub const fn mib(mib: usize) -> Self {
+        Self(mib * MIB)
+    }
+
+    pub fn share(self, request: &Request) -> Share {
+        let threads = rayon::current_num_threads();
+        let nodes = request.nodes();
+        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let plane = 4 * columns.next_multiple_of(32) * rows.next_multiple_of(32);
+        let all = |bytes: usize| request.face.levels.iter().map(|level| bytes * level.heights_m.len()).sum::<usize>();
+        // Heights and gaps; then heights and twists as they are swept.
+        let terrain = all(5);
+        let prepared = all(4) + 4 * nodes.heights_m.len() + plane;
+        let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
+        let sums = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths).bytes();
+        if sums + threads * plane <= left {
+            return Share { sums_fit: true, planes: threads };
+        }
+        // All of a block, so that no thread waits.
+        let planes = left / plane / threads * threads;
+        Share { sums_fit: false, planes: planes.max(threads) }
+    }
+}
