@@ -22,6 +22,7 @@ pub mod georeference;
 pub mod inspect;
 pub mod measure;
 pub mod pack;
+pub mod planes;
 pub mod request;
 pub mod series;
 pub mod settings;

@@ -4,13 +4,20 @@
 //! rest.
 
 mod baked;
+pub mod fan;
 mod fourier;
+pub mod single_azimuth;
 pub mod skylines;
+pub mod swath;
+mod sweep;
 mod traced;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use single_azimuth::{Edge, SingleAzimuth};
 pub use skylines::{Fetched, HeldLight, Skylines, Towards};
+pub use swath::Swath;
+pub use sweep::Swept;
 pub use traced::Traced;
 
 use std::fmt::Debug;

@@ -1,0 +1,161 @@
+//! Swath maps: horizons only for the azimuths that lights span in the exposures of a scenario.
+//!
+//! A landing lasts minutes, in which the Sun moves by 0.04°. Its disc, and the turn of azimuths over the map, span
+//! about 1°: a few planes of elevations at full accuracy ([`crate::horizon::planes`]) take the place of a whole
+//! horizon map. An exposure gets, at each node, the line of its own azimuth between them ([`super::fan`]).
+//!
+//! Two bytes a node and plane. Planes are kept as tiles, and made once for all exposures.
+//!
+//! # Assumptions
+//! Between planes a step apart the skyline is straight. A light must stay within the swath that was made for it:
+//! [`Swath::field`] panics on any other.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::fan::Fan;
+use super::skylines::{Feet, Field, HeldLight, Towards};
+use crate::horizon::planes::{self, Plane, Sweeps, Wanted};
+use crate::horizon::{Error, Settings};
+use crate::terrain::Surface;
+
+/// More planes than a Fourier map has coefficients and is measured by are none of a swath's business: 128 bytes a node.
+pub const MOST_PLANES: usize = 64;
+
+/// Planes of all levels towards lights, `[light][face][level]`.
+#[derive(Debug)]
+pub struct Swath {
+    strips: Vec<Vec<Vec<Strip>>>,
+}
+
+/// The planes of one level towards one light.
+#[derive(Debug)]
+struct Strip {
+    fan: Fan,
+    planes: Vec<Plane>,
+}
+
+/// The azimuths of a swath before anything is swept.
+#[derive(Debug)]
+pub struct Plan {
+    fans: Vec<Vec<Vec<Fan>>>,
+    settings: Settings,
+}
+
+impl Plan {
+    /// The azimuths of lights, each given at all exposures, no wider apart than `step_rad`.
+    pub fn new(surface: &Surface, lights: &[Vec<HeldLight>], step_rad: f64, settings: &Settings) -> Self {
+        let of_light = |places: &Vec<HeldLight>| {
+            let faces = surface.terrain.faces.iter();
+            let fans = faces.map(|face| {
+                let fan = |level| Fan::over(&face.map, level, places, step_rad, usize::MAX);
+                face.levels.iter().map(fan).collect()
+            });
+            fans.collect()
+        };
+        Self { fans: lights.iter().map(of_light).collect(), settings: *settings }
+    }
+
+    /// The most planes that a level gets towards one light.
+    pub fn most_planes(&self) -> usize {
+        self.fans.iter().flatten().flatten().map(|fan| fan.planes).max().unwrap_or(0)
+    }
+
+    /// All planes.
+    pub fn planes(&self) -> usize {
+        self.fans.iter().flatten().flatten().map(|fan| fan.planes).sum()
+    }
+
+    /// The planes from tiles in `directory`, those that are not there swept first; `progress` hears how many are done.
+    pub fn open_or_build(
+        self,
+        surface: &Surface,
+        directory: &Path,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Swath, Error> {
+        let (all, mut done) = (self.planes(), 0);
+        let mut strips = Vec::new();
+        for faces in self.fans {
+            let mut of_light = Vec::new();
+            for (face, levels) in faces.into_iter().enumerate() {
+                let mut of_face = Vec::new();
+                for (level, fan) in levels.into_iter().enumerate() {
+                    let (body, face) = (&surface.terrain.body, &surface.terrain.faces[face]);
+                    let wanted = Wanted { body, face, level, settings: self.settings };
+                    of_face.push(Strip::open_or_build(&wanted, fan, directory)?);
+                    done += of_face.last().map_or(0, |strip| strip.planes.len());
+                    progress(done, all);
+                }
+                of_light.push(of_face);
+            }
+            strips.push(of_light);
+        }
+        Ok(Swath { strips })
+    }
+}
+
+impl Strip {
+    fn open_or_build(wanted: &Wanted, fan: Fan, directory: &Path) -> Result<Self, Error> {
+        let feet = Feet::of(&wanted.face.levels[wanted.level]);
+        let level_key = wanted.level_key();
+        let key = |plane: usize| planes::key(&level_key, fan.azimuth_rad(plane));
+        let known = |plane: usize| planes::read(directory, &key(plane), [feet.columns, feet.rows]).ok();
+        let mut found: Vec<Option<Plane>> = (0..fan.planes).into_par_iter().map(known).collect();
+        let missing: Vec<usize> = (0..fan.planes).filter(|plane| found[*plane].is_none()).collect();
+        let directions: Vec<_> = missing.iter().map(|plane| fan.direction(*plane)).collect();
+        let sweeps = Sweeps::new(wanted.face, wanted.level, &wanted.settings, &directions);
+        let make = |&plane: &usize| {
+            let made = Plane::new(feet.columns, &sweeps.elevations_rad(fan.direction(plane)));
+            planes::write(directory, &key(plane), fan.azimuth_rad(plane), &made)?;
+            Ok::<_, Error>((plane, made))
+        };
+        for made in missing.par_iter().map(make).collect::<Vec<_>>() {
+            let (plane, made) = made?;
+            found[plane] = Some(made);
+        }
+        Ok(Self { planes: found.into_iter().flatten().collect(), fan })
+    }
+}
+
+impl Swath {
+    /// Bytes of all planes.
+    pub fn bytes(&self) -> usize {
+        self.planes().map(Plane::bytes).sum()
+    }
+
+    /// Most that rounding has moved an elevation by.
+    pub fn rounding_rad(&self) -> f32 {
+        self.planes().map(Plane::rounding_rad).fold(0.0, f32::max)
+    }
+
+    fn planes(&self) -> impl Iterator<Item = &Plane> {
+        self.strips.iter().flatten().flatten().flat_map(|strip| &strip.planes)
+    }
+}
+
+impl Towards for Swath {
+    fn name(&self) -> &'static str {
+        "swath"
+    }
+
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+        let terrain = &surface.terrain.faces[face];
+        let feet = Feet::of(&terrain.levels[level]);
+        let corners = [0, feet.columns - 1, feet.len() - feet.columns, feet.len() - 1];
+        let holds = |strip: &&Strip| {
+            corners.iter().all(|corner| strip.fan.spans(&light.aim(&terrain.map, feet.lifted(*corner))))
+        };
+        let mut strips = self.strips.iter().map(|faces| &faces[face][level]);
+        let Strip { fan, planes } = strips.find(holds).expect("the swath was made for this light");
+        let line = |index: usize| {
+            let place = fan.place(&light.aim(&terrain.map, feet.lifted(index)));
+            let mut line = [0.0; 2];
+            for plane in fan.near(place) {
+                fan.add(&mut line, place, plane, planes[plane].elevation_rad(index));
+            }
+            line
+        };
+        (0..feet.len()).into_par_iter().map(line).collect()
+    }
+}
