@@ -62,9 +62,9 @@ pub struct SingleAzimuth {
 impl Towards for SingleAzimuth {
     fn name(&self) -> &'static str {
         match self.edge {
-            Edge::Hard => "single azimuth, hard",
-            Edge::Level => "single azimuth, level",
-            Edge::Sloped => "single azimuth",
+            Edge::Hard => "single-azimuth-hard",
+            Edge::Level => "single-azimuth-level",
+            Edge::Sloped => "single-azimuth",
         }
     }
 

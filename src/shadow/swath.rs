@@ -14,7 +14,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::fan::Fan;
+use super::fan::{Fan, Sight};
 use super::skylines::{Feet, Field, HeldLight, Towards};
 use crate::horizon::planes::{self, Plane, Sweeps, Wanted};
 use crate::horizon::{Error, Settings};
@@ -142,20 +142,13 @@ impl Towards for Swath {
     fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
         let terrain = &surface.terrain.faces[face];
         let feet = Feet::of(&terrain.levels[level]);
+        let sight = Sight { map: &terrain.map, feet, light };
         let corners = [0, feet.columns - 1, feet.len() - feet.columns, feet.len() - 1];
-        let holds = |strip: &&Strip| {
-            corners.iter().all(|corner| strip.fan.spans(&light.aim(&terrain.map, feet.lifted(*corner))))
-        };
         let mut strips = self.strips.iter().map(|faces| &faces[face][level]);
+        let holds = |strip: &&Strip| corners.iter().all(|corner| strip.fan.spans(&sight.aim(*corner)));
         let Strip { fan, planes } = strips.find(holds).expect("the swath was made for this light");
-        let line = |index: usize| {
-            let place = fan.place(&light.aim(&terrain.map, feet.lifted(index)));
-            let mut line = [0.0; 2];
-            for plane in fan.near(place) {
-                fan.add(&mut line, place, plane, planes[plane].elevation_rad(index));
-            }
-            line
-        };
-        (0..feet.len()).into_par_iter().map(line).collect()
+        let mut field = vec![[0.0; 2]; feet.len()];
+        fan.add(&mut field, &sight, &(0..planes.len()), |plane, node| planes[plane].elevation_rad(node));
+        field
     }
 }

@@ -15,7 +15,7 @@
 
 use rayon::prelude::*;
 
-use super::fan::Fan;
+use super::fan::{Fan, Sight};
 use super::skylines::{Feet, Field, HeldLight, Towards};
 use crate::horizon::Settings;
 use crate::horizon::planes::Sweeps;
@@ -42,18 +42,14 @@ impl Towards for Swept {
         let fan = Fan::over(&terrain.map, nodes, &[*light], self.step_rad, MOST_PLANES);
         let directions: Vec<_> = (0..fan.planes).map(|plane| fan.direction(plane)).collect();
         let sweeps = Sweeps::new(terrain, level, &self.settings, &directions);
-        let feet = Feet::of(nodes);
-        let place = |index| fan.place(&light.aim(&terrain.map, feet.lifted(index)));
-        let places: Vec<_> = (0..feet.len()).into_par_iter().map(place).collect();
-        let mut field = vec![[0.0; 2]; places.len()];
-        let planes: Vec<usize> = (0..fan.planes).collect();
-        for some in planes.chunks(rayon::current_num_threads()) {
-            let swept: Vec<_> = some.par_iter().map(|plane| sweeps.elevations_rad(directions[*plane])).collect();
-            field.par_iter_mut().enumerate().for_each(|(index, line)| {
-                for (plane, elevations_rad) in some.iter().zip(&swept) {
-                    fan.add(line, places[index], *plane, elevations_rad[index]);
-                }
-            });
+        let sight = Sight { map: &terrain.map, feet: Feet::of(nodes), light };
+        let mut field = vec![[0.0; 2]; sight.feet.len()];
+        let at_once = rayon::current_num_threads();
+        for first in (0..fan.planes).step_by(at_once) {
+            let some = first..fan.planes.min(first + at_once);
+            let swept: Vec<_> =
+                directions[some.clone()].par_iter().map(|direction| sweeps.elevations_rad(*direction)).collect();
+            fan.add(&mut field, &sight, &some, |plane, node| swept[plane - first][node]);
         }
         field
     }

@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 use super::believed::exit_m;
 use crate::horizon::Settings;
 use crate::horizon::sphere::skyline_beyond;
+use crate::horizon::sweep::wide::wide;
 use crate::terrain::{Gnomonic, Level, Surface};
 
 /// Nodes side by side.
@@ -99,7 +100,11 @@ impl<'a> Lines<'a> {
         let reach_m = self.settings.search_m.unwrap_or(f64::INFINITY);
         for (order, heights) in self.levels.iter().enumerate() {
             let ends_m = observers.map(|observer| exit_m(heights.level, observer.truncate(), towards));
-            block.pass(heights, order == 0, self.levels[0].level.posting_m, self.spacing, ends_m, reach_m);
+            let posting_m = self.levels[0].level.posting_m;
+            wide(
+                #[inline(always)]
+                || block.pass(heights, order == 0, posting_m, self.spacing, ends_m, reach_m),
+            );
         }
         std::array::from_fn(|lane| {
             let observer = observers[lane];
@@ -127,6 +132,7 @@ impl<'a> Heights<'a> {
     }
 
     /// Heights of `count` neighbouring columns from `column` on, at grid row `y`; columns may lie beside the level.
+    #[inline(always)]
     fn mixed_m(&self, column: isize, count: usize, y: f64, row_m: &mut [f32; LANES + 2]) {
         let low = (y.max(0.0) as usize).min(self.level.rows - 2);
         let share = share(y - low as f64);
@@ -141,6 +147,7 @@ impl<'a> Heights<'a> {
 }
 
 /// The larger part of nothing is nothing: beside a gap rounding must not make one of it.
+#[inline(always)]
 fn share(share: f64) -> f32 {
     match share {
         share if share < 1e-6 => 0.0,
@@ -162,6 +169,7 @@ struct Block {
 
 impl Block {
     /// Samples one level from where the finer one ends to where it ends itself.
+    #[inline(always)]
     fn pass(&mut self, heights: &Heights, own: bool, posting_m: f64, spacing: f64, ends_m: [f64; LANES], reach_m: f64) {
         let level = heights.level;
         let step_m = spacing * level.posting_m;
@@ -191,6 +199,7 @@ impl Block {
     }
 
     /// Whether no height up to `top_m` beyond a distance stands above any node's skyline.
+    #[inline(always)]
     fn is_above_all(&self, top_m: f32, t_m: f64) -> bool {
         let inverse = (1.0 / t_m) as f32;
         (0..LANES).all(|lane| {
@@ -201,6 +210,7 @@ impl Block {
 }
 
 /// Heights at grid points a column apart.
+#[inline(always)]
 fn neighbours(heights: &Heights, grid: DVec2) -> [f32; LANES] {
     let column = grid.x.floor();
     let mut row_m = [0.0; LANES + 2];
@@ -210,6 +220,7 @@ fn neighbours(heights: &Heights, grid: DVec2) -> [f32; LANES] {
 }
 
 /// Heights at grid points less than a column apart.
+#[inline(always)]
 fn spread(heights: &Heights, grid: DVec2, lane_step: f64) -> [f32; LANES] {
     let column = grid.x.floor();
     let first = (grid.x - column) as f32;
