@@ -40,12 +40,11 @@ struct Strip {
 #[derive(Debug)]
 pub struct Plan {
     fans: Vec<Vec<Vec<Fan>>>,
-    settings: Settings,
 }
 
 impl Plan {
     /// The azimuths of lights, each given at all exposures, no wider apart than `step_rad`.
-    pub fn new(surface: &Surface, lights: &[Vec<HeldLight>], step_rad: f64, settings: &Settings) -> Self {
+    pub fn new(surface: &Surface, lights: &[Vec<HeldLight>], step_rad: f64) -> Self {
         let of_light = |places: &Vec<HeldLight>| {
             let faces = surface.terrain.faces.iter();
             let fans = faces.map(|face| {
@@ -54,7 +53,7 @@ impl Plan {
             });
             fans.collect()
         };
-        Self { fans: lights.iter().map(of_light).collect(), settings: *settings }
+        Self { fans: lights.iter().map(of_light).collect() }
     }
 
     /// The most planes that a level gets towards one light.
@@ -71,6 +70,7 @@ impl Plan {
     pub fn open_or_build(
         self,
         surface: &Surface,
+        settings: &Settings,
         directory: &Path,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Swath, Error> {
@@ -82,7 +82,7 @@ impl Plan {
                 let mut of_face = Vec::new();
                 for (level, fan) in levels.into_iter().enumerate() {
                     let (body, face) = (&surface.terrain.body, &surface.terrain.faces[face]);
-                    let wanted = Wanted { body, face, level, settings: self.settings };
+                    let wanted = Wanted { body, face, level, settings: *settings };
                     of_face.push(Strip::open_or_build(&wanted, fan, directory)?);
                     done += of_face.last().map_or(0, |strip| strip.planes.len());
                     progress(done, all);
