@@ -23,7 +23,7 @@ use tiff::tags::Tag;
 use super::error::Error;
 use super::pack::Encoding;
 use super::request::Request;
-use super::settings::{Settings, direction};
+use super::settings::Settings;
 use super::sweep::Sweep;
 use super::sweep::grid::Major;
 use crate::geometry::Body;
@@ -101,33 +101,16 @@ impl Plane {
     }
 }
 
-/// Which plane it is.
-#[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
-    pub body: &'a Body,
-    pub face: &'a Face,
-    pub level: usize,
-    /// The azimuths' number and the band have no share in a plane.
-    pub settings: Settings,
+/// What the keys of a level's planes begin with: all that shapes its horizons but azimuths, band and encoding. It reads all
+/// heights.
+pub fn level_key(body: &Body, face: &Face, level: usize, settings: &Settings) -> String {
+    let settings = Settings { azimuths: 0, band: None, ..*settings };
+    Request { body, face, level, settings, encoding: Encoding::Fm16 }.key().as_str().into()
 }
 
-impl Wanted<'_> {
-    /// The key of the level's horizons: what all azimuths' planes share, made once because it reads all heights.
-    pub fn level_key(&self) -> String {
-        let settings = Settings { azimuths: 0, band: None, ..self.settings };
-        let Self { body, face, level, .. } = *self;
-        Request { body, face, level, settings, encoding: Encoding::Fm16 }.key().as_str().into()
-    }
-}
-
-/// The name of a plane among those of a level.
+/// The key of a plane.
 pub fn key(level_key: &str, azimuth_rad: f64) -> String {
     crate::digest::sha256_hex(format!("{FORMAT} {level_key} {azimuth_rad:?}").as_bytes())
-}
-
-/// Unit map direction of a plane.
-pub fn towards(azimuth_rad: f64) -> DVec2 {
-    direction(azimuth_rad)
 }
 
 /// All that a decoder needs, as JSON in the file.

@@ -20,7 +20,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::skylines::{Aim, Feet, HeldLight, Skyline, WIDEST_RAD};
-use crate::horizon::planes;
+use crate::horizon::settings::direction;
 use crate::terrain::{Gnomonic, Level};
 
 /// Places across the disc, in its half widths, and their shares.
@@ -118,7 +118,7 @@ impl Fan {
 
     /// Unit map direction of a plane.
     pub fn direction(&self, plane: usize) -> DVec2 {
-        planes::towards(self.azimuth_rad(plane))
+        direction(self.azimuth_rad(plane))
     }
 
     /// Angle from the middle to a direction, clockwise on the map.

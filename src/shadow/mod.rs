@@ -2,6 +2,12 @@
 //!
 //! A method knows the skyline across the disc; the disc integral ([`crate::photometry::SolarDisk`]) does the
 //! rest.
+//!
+//! ```text
+//! at every sample    Traced: exact           FourierMaps: from compressed horizons of all azimuths
+//! at every node,     Baked: from the same compressed horizons        Swath: from kept planes of few azimuths
+//! for a still light  Swept: from planes swept for it                 SingleAzimuth: stepped for it
+//! ```
 
 mod baked;
 pub mod fan;

@@ -16,11 +16,11 @@ use rayon::prelude::*;
 
 use super::fan::{Fan, Sight};
 use super::skylines::{Feet, Field, HeldLight, Towards};
-use crate::horizon::planes::{self, Plane, Sweeps, Wanted};
+use crate::horizon::planes::{self, Plane, Sweeps};
 use crate::horizon::{Error, Settings};
-use crate::terrain::Surface;
+use crate::terrain::{Surface, Terrain};
 
-/// More planes than a Fourier map has coefficients and is measured by are none of a swath's business: 128 bytes a node.
+/// 128 bytes a node: long before, Fourier maps are smaller.
 pub const MOST_PLANES: usize = 64;
 
 /// Planes of all levels towards lights, `[light][face][level]`.
@@ -81,10 +81,8 @@ impl Plan {
             for (face, levels) in faces.into_iter().enumerate() {
                 let mut of_face = Vec::new();
                 for (level, fan) in levels.into_iter().enumerate() {
-                    let (body, face) = (&surface.terrain.body, &surface.terrain.faces[face]);
-                    let wanted = Wanted { body, face, level, settings: *settings };
-                    of_face.push(Strip::open_or_build(&wanted, fan, directory)?);
-                    done += of_face.last().map_or(0, |strip| strip.planes.len());
+                    done += fan.planes;
+                    of_face.push(Strip::open_or_build(&surface.terrain, [face, level], fan, settings, directory)?);
                     progress(done, all);
                 }
                 of_light.push(of_face);
@@ -96,15 +94,22 @@ impl Plan {
 }
 
 impl Strip {
-    fn open_or_build(wanted: &Wanted, fan: Fan, directory: &Path) -> Result<Self, Error> {
-        let feet = Feet::of(&wanted.face.levels[wanted.level]);
-        let level_key = wanted.level_key();
+    fn open_or_build(
+        terrain: &Terrain,
+        [face, level]: [usize; 2],
+        fan: Fan,
+        settings: &Settings,
+        directory: &Path,
+    ) -> Result<Self, Error> {
+        let face = &terrain.faces[face];
+        let feet = Feet::of(&face.levels[level]);
+        let level_key = planes::level_key(&terrain.body, face, level, settings);
         let key = |plane: usize| planes::key(&level_key, fan.azimuth_rad(plane));
         let known = |plane: usize| planes::read(directory, &key(plane), [feet.columns, feet.rows]).ok();
         let mut found: Vec<Option<Plane>> = (0..fan.planes).into_par_iter().map(known).collect();
         let missing: Vec<usize> = (0..fan.planes).filter(|plane| found[*plane].is_none()).collect();
         let directions: Vec<_> = missing.iter().map(|plane| fan.direction(*plane)).collect();
-        let sweeps = Sweeps::new(wanted.face, wanted.level, &wanted.settings, &directions);
+        let sweeps = Sweeps::new(face, level, settings, &directions);
         let make = |&plane: &usize| {
             let made = Plane::new(feet.columns, &sweeps.elevations_rad(fan.direction(plane)));
             planes::write(directory, &key(plane), fan.azimuth_rad(plane), &made)?;
