@@ -259,7 +259,7 @@ mod tests {
     fn lines(level: &Level, light: &HeldLight, step_deg: f64, skyline: impl Fn(f64) -> f64 + Sync) -> Vec<Skyline> {
         let (map, feet) = (map(), Feet::of(level));
         let fan = Fan::over(&map, level, &[*light], step_deg.to_radians(), usize::MAX);
-        let mut field = vec![[0.0; 2]; feet.len()];
+        let mut field = vec![[0.0; 2]; feet.count()];
         let sight = Sight { map: &map, feet, light };
         fan.add(&mut field, &sight, &(0..fan.planes), |plane, _| skyline(fan.azimuth_rad(plane)) as f32);
         field
@@ -308,7 +308,7 @@ mod tests {
             let fan = Fan::over(&map, &level, &lights, step_deg.to_radians(), usize::MAX);
             assert!(fan.planes >= 3 && fan.step_rad <= step_deg.to_radians() + 1e-12, "{fan:?}");
             for light in &lights {
-                assert!((0..Feet::of(&level).len()).all(|i| fan.spans(&light.aim(&map, Feet::of(&level).lifted(i)))));
+                assert!((0..Feet::of(&level).count()).all(|i| fan.spans(&light.aim(&map, Feet::of(&level).lifted(i)))));
             }
             let other = sun(&map, 1.2, 0.05).aim(&map, level.lifted_node(0, 0));
             assert!(!fan.spans(&other) || step_deg == 5.0);

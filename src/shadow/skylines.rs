@@ -44,7 +44,7 @@ impl<'a> Feet<'a> {
         Self { level, columns: seen(level.columns), rows: seen(level.rows) }
     }
 
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.columns * self.rows
     }
 

@@ -148,11 +148,11 @@ impl Towards for Swath {
         let terrain = &surface.terrain.faces[face];
         let feet = Feet::of(&terrain.levels[level]);
         let sight = Sight { map: &terrain.map, feet, light };
-        let corners = [0, feet.columns - 1, feet.len() - feet.columns, feet.len() - 1];
+        let corners = [0, feet.columns - 1, feet.count() - feet.columns, feet.count() - 1];
         let mut strips = self.strips.iter().map(|faces| &faces[face][level]);
         let holds = |strip: &&Strip| corners.iter().all(|corner| strip.fan.spans(&sight.aim(*corner)));
         let Strip { fan, planes } = strips.find(holds).expect("the swath was made for this light");
-        let mut field = vec![[0.0; 2]; feet.len()];
+        let mut field = vec![[0.0; 2]; feet.count()];
         fan.add(&mut field, &sight, &(0..planes.len()), |plane, node| planes[plane].elevation_rad(node));
         field
     }

@@ -43,7 +43,7 @@ impl Towards for Swept {
         let directions: Vec<_> = (0..fan.planes).map(|plane| fan.direction(plane)).collect();
         let sweeps = Sweeps::new(terrain, level, &self.settings, &directions);
         let sight = Sight { map: &terrain.map, feet: Feet::of(nodes), light };
-        let mut field = vec![[0.0; 2]; sight.feet.len()];
+        let mut field = vec![[0.0; 2]; sight.feet.count()];
         let at_once = rayon::current_num_threads();
         for first in (0..fan.planes).step_by(at_once) {
             let some = first..fan.planes.min(first + at_once);
