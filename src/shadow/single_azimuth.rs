@@ -17,7 +17,8 @@
 //! `tests/conformance/directional.rs` holds the two together.
 //!
 //! # Assumptions
-//! Peaks between two samples are missed. Levels finer than the node's own do not exist. Nodes side by side share
+//! Peaks between two samples are missed: at a spacing of 1 no image measured so far shows it beside what interpolation between
+//! nodes costs. Levels finer than the node's own do not exist. Nodes side by side share
 //! an azimuth within [`lanes::ALIKE_RAD`].
 //!
 //! # References

@@ -193,8 +193,8 @@ impl Block {
                 self.steepest[lane] = self.steepest[lane].max(slope);
             }
         }
-        for lane in 0..LANES {
-            self.from_m[lane] = self.from_m[lane].max(ends_m[lane]);
+        for (from_m, end_m) in self.from_m.iter_mut().zip(ends_m) {
+            *from_m = from_m.max(end_m);
         }
     }
 
