@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Rounding moves an elevation by half a unit: 1e-5 rad, 1/400 of the Sun's radius, where skylines stand up to 75° high.
-//! Two bytes a node, deflated on disk. A plane's [`Key`] is that of the level's horizons and the azimuth, so that an
+//! Two bytes a node, deflated on disk. A plane's key ([`key`]) is that of the level's horizons and the azimuth, so that an
 //! interrupted run goes on with the planes that it has, and scenarios under a similar Sun share theirs.
 
 use std::fs::{self, File};
