@@ -16,6 +16,7 @@ pub mod motion;
 mod progress;
 mod record;
 pub mod scene;
+pub mod swath;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Scenario};
-use crate::shadow::Baked;
+use crate::shadow::{Baked, SingleAzimuth, Swept};
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -170,6 +171,17 @@ pub fn scene(
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
+        scenario::Shadows::Swath { azimuth_step_deg } => {
+            let folder = cache.join("horizon");
+            let swath = swath::swath(&ground.surface, exposures, azimuth_step_deg, &settings, &folder, progress)?;
+            Shadows::Towards(Box::new(swath))
+        }
+        scenario::Shadows::Sweep { azimuth_step_deg } => {
+            Shadows::Towards(Box::new(Swept { settings, step_rad: azimuth_step_deg.to_radians() }))
+        }
+        scenario::Shadows::SingleAzimuth { spacing, edge } => {
+            Shadows::Towards(Box::new(SingleAzimuth { settings, spacing, edge }))
+        }
     };
     ground.inputs.extend(tiles);
     Ok(Scene {

@@ -29,6 +29,7 @@ pub mod method;
 pub mod numbers;
 pub mod pack;
 pub mod pages;
+pub mod planes;
 pub mod request;
 pub mod series;
 pub mod settings;

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, scene};
+use super::{Error, Progress, body_frame, ground, kernels, motion, scene, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::raster;
-use crate::scenario::{Albedo, Dem, Scenario};
+use crate::scenario::{self, Albedo, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
 /// What a check has found.
@@ -82,7 +82,13 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         Err(error) => return vec![error],
     };
     let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });
-    outcomes.into_iter().filter_map(Result::err).filter(counts).collect()
+    let (exposures, failed): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(Result::is_ok);
+    let exposures: Vec<_> = exposures.into_iter().flatten().collect();
+    let swath = match scenario.shadows {
+        scenario::Shadows::Swath { azimuth_step_deg } => swath::plan(&surface, &exposures, azimuth_step_deg).err(),
+        _ => None,
+    };
+    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).collect()
 }
 
 fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {

@@ -42,6 +42,11 @@ pub enum Error {
          the ground below it {ground_m:.1} m; the camera must be above the ground"
     )]
     BelowGround { exposure: usize, epoch_utc: String, height_m: f64, ground_m: f64 },
+    #[error(
+        "shadows: Swath: in these exposures the lights span {got} azimuths that are azimuth_step_deg = {step_deg} apart, \
+         at most {allowed} are allowed; use Fourier, fewer exposures or a wider step"
+    )]
+    SwathTooWide { got: usize, step_deg: f64, allowed: usize },
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }

@@ -96,7 +96,7 @@ pub struct Light {
 impl View {
     /// The lights as methods that find skylines in advance see them.
     pub fn held_lights(&self) -> Vec<HeldLight> {
-        self.lights.iter().map(|light| HeldLight::new(light.position)).collect()
+        self.lights.iter().map(|light| HeldLight::new(light.position, light.angular_radius_rad)).collect()
     }
 }
 

@@ -2,15 +2,28 @@
 //!
 //! A method knows the skyline across the disc; the disc integral ([`crate::photometry::SolarDisk`]) does the
 //! rest.
+//!
+//! ```text
+//! at every sample    Traced: exact           FourierMaps: from compressed horizons of all azimuths
+//! at every node,     Baked: from the same compressed horizons        Swath: from kept planes of few azimuths
+//! for a still light  Swept: from planes swept for it                 SingleAzimuth: stepped for it
+//! ```
 
 mod baked;
+pub mod fan;
 mod fourier;
+pub mod single_azimuth;
 pub mod skylines;
+pub mod swath;
+mod sweep;
 mod traced;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use single_azimuth::{Edge, SingleAzimuth};
 pub use skylines::{Fetched, HeldLight, Skylines, Towards};
+pub use swath::Swath;
+pub use sweep::Swept;
 pub use traced::Traced;
 
 use std::fmt::Debug;

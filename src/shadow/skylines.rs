@@ -7,12 +7,12 @@
 //! the light's azimuth across a cell, `posting/R` times the tangent of its elevation. Coefficients at reduced
 //! resolutions (`fm16`) have their knots between the nodes and are smoothed a second time.
 //!
-//! A light is *held still* on a raster of 2⁻¹⁷ in each component of its direction: exposures a few seconds apart share
-//! their skylines, and each is the same whether it is rendered alone or after others.
+//! A light is *held still* on a raster of 2⁻¹⁷ in each component of its direction and of 0.07 % in distance and radius:
+//! exposures a few seconds apart share their skylines, and each is the same whether it is rendered alone or after others.
 //!
 //! # Assumptions
-//! The raster moves a light by up to 7e-6 rad (0.0004°, 1/700 of the Sun's radius) for its azimuth alone; the
-//! elevation above the skyline is that of the light itself.
+//! The raster moves a light by up to 7e-6 rad (0.0004°, 1/700 of the Sun's radius) for its azimuth alone, 0.03 % of
+//! the Earth's distance by as much again; the elevation above the skyline is that of the light itself.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -30,6 +30,30 @@ pub type Skyline = [f32; 2];
 /// Skylines of the seen nodes of a level, row by row, rows up the map.
 pub type Field = Vec<Skyline>;
 
+/// The seen nodes of a level as lifted points, in the order of a [`Field`].
+#[derive(Debug, Clone, Copy)]
+pub struct Feet<'a> {
+    level: &'a Level,
+    pub columns: usize,
+    pub rows: usize,
+}
+
+impl<'a> Feet<'a> {
+    pub fn of(level: &'a Level) -> Self {
+        let seen = |nodes: usize| nodes - 2 * level.margin;
+        Self { level, columns: seen(level.columns), rows: seen(level.rows) }
+    }
+
+    pub fn count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    pub fn lifted(&self, index: usize) -> DVec3 {
+        let (column, row) = (index % self.columns, index / self.columns);
+        self.level.lifted_node(column + self.level.margin, row + self.level.margin)
+    }
+}
+
 /// A method that finds the skylines of a level towards a light.
 pub trait Towards: Debug + Send + Sync {
     /// What the method is called in reports.
@@ -44,17 +68,49 @@ pub trait Towards: Debug + Send + Sync {
 pub struct HeldLight {
     /// Body-fixed, from the body's centre.
     pub position: Position<BodyFixed>,
+    /// Of its disc.
+    pub angular_radius_rad: f64,
 }
 
 /// Steps of the raster in a component of a direction.
 const STEPS: f64 = 131_072.0;
 
+/// Steps of the raster in an octave of distances and of radii.
+const STEPS_OF_SIZE: f64 = 1024.0;
+
+/// A disc is looked at no further than this to each side: one nearer than 1.3° to the zenith spans wider azimuths.
+pub(super) const WIDEST_RAD: f64 = 0.2;
+
+/// Where a light stands as seen from a point of the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    /// Unit map direction.
+    pub towards: DVec2,
+    pub elevation_rad: f64,
+    /// From the middle of its disc to the edges, in map azimuth: `asin(sin r / cos a)` for a radius `r` at elevation `a`.
+    pub half_width_rad: f64,
+}
+
 impl HeldLight {
-    pub fn new(position: Position<BodyFixed>) -> Self {
+    pub fn new(position: Position<BodyFixed>, angular_radius_rad: f64) -> Self {
         let vector_m = position.vector_m();
-        let distance_m = vector_m.length();
-        let direction = (vector_m / distance_m * STEPS).round().normalize();
-        Self { position: Position::from_m(distance_m * direction) }
+        let direction = (vector_m / vector_m.length() * STEPS).round().normalize();
+        let rounded = |size: f64| ((size.log2() * STEPS_OF_SIZE).round() / STEPS_OF_SIZE).exp2();
+        Self {
+            position: Position::from_m(rounded(vector_m.length()) * direction),
+            angular_radius_rad: rounded(angular_radius_rad),
+        }
+    }
+
+    /// The light from a point of the ground.
+    pub fn aim(&self, map: &Gnomonic, lifted: DVec3) -> Aim {
+        let at_m = lifted.truncate();
+        let (towards, direction) = self.from(map, lifted);
+        let up = map.up(at_m).unit();
+        let level = direction.unit().reject_from_normalized(up).length();
+        let elevation_rad = up.dot(direction.unit()).atan2(level);
+        let half_width_rad = (self.angular_radius_rad.sin() / level).min(1.0).asin() * map.azimuth_ratio(at_m, towards);
+        Aim { towards, elevation_rad, half_width_rad: half_width_rad.min(WIDEST_RAD) }
     }
 
     /// The unit map direction towards the light from a point of the ground, and the direction itself.

@@ -74,6 +74,12 @@ const STRUCTURE: &[Case] = &[
         "10:13: camera = 3 is not (columns, rows)",
     ),
     Case(
+        "a method with keys without parentheses",
+        "title: \"a test\",",
+        "title: \"a test\", shadows: Swath,",
+        "2:31: shadows = Swath is not Swath()",
+    ),
+    Case(
         "number for a list",
         "planes: [radiance, depth]",
         "planes: radiance",
@@ -121,6 +127,18 @@ const STRUCTURE: &[Case] = &[
 ];
 
 const RANGES: &[Case] = &[
+    Case(
+        "azimuths no step apart",
+        "title: \"a test\",",
+        "title: \"a test\", shadows: Swath(azimuth_step_deg: 0),",
+        "2:55: shadows.azimuth_step_deg = 0 is outside [0.01, 5] deg",
+    ),
+    Case(
+        "samples no step apart",
+        "title: \"a test\",",
+        "title: \"a test\", shadows: SingleAzimuth(spacing: 0),",
+        "2:54: shadows.spacing = 0 is outside [0.1, 100]",
+    ),
     Case(
         "negative focal length",
         "focal_length_mm: 50",

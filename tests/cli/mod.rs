@@ -8,4 +8,5 @@ mod inspect;
 mod run;
 mod run_input;
 mod scenario;
+mod shadows;
 mod terrain;

@@ -61,12 +61,11 @@ fn nested() -> Terrain {
     Terrain { body: Body::moon(), faces: vec![Face { map, levels: vec![fine, coarse] }] }
 }
 
-fn cube() -> Terrain {
+pub fn cube(half: usize) -> Terrain {
     let body = Body::moon();
     let maps = Gnomonic::cube(&body, Geodetic::from_degrees(20.0, 30.0, 0.0));
     let heights = waves(300_000.0, 3000.0);
     let faces = maps.map(|map| {
-        let half = 150;
         let levels = vec![level(&map, map.radius_m / half as f64, half, 5, &heights)];
         Face { map, levels }
     });
@@ -120,8 +119,8 @@ pub fn scenes() -> Vec<(&'static str, Scene, View)> {
         ("nested, oblique", scene(nested(), 50.0), view(&moon, at(-87.8, 24.0, 4000.0), at(-88.0, 25.0, 0.0), 3.0)),
         ("nested, low", scene(nested(), 60.0), view(&moon, at(-88.0, 25.5, 300.0), at(-88.02, 24.0, 200.0), 1.5)),
         ("nested, nadir", scene(nested(), 40.0), view(&moon, at(-88.0, 25.0, 2500.0), at(-88.0, 25.0, 0.0), 2.0)),
-        ("cube from 100 km", scene(cube(), 70.0), view(&moon, at(10.0, 60.0, 1e5), at(18.0, 66.0, 0.0), 15.0)),
-        ("cube from 5000 km", scene(cube(), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
+        ("cube from 100 km", scene(cube(150), 70.0), view(&moon, at(10.0, 60.0, 1e5), at(18.0, 66.0, 0.0), 15.0)),
+        ("cube from 5000 km", scene(cube(150), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
         ("sphere from 5000 km", scene(bare(), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
         ("spheroid", scene(oblate, 60.0), view(&mars, at(40.0, -20.0, 3e6), at(41.0, -21.0, 0.0), 10.0)),
     ]

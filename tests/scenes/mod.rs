@@ -8,6 +8,7 @@ use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
 use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune::shadow::{Edge, SingleAzimuth, Swept};
 use perilune::terrain::{Face, Gnomonic, Ground, Level, Surface, Terrain};
 
 use crate::conformance::gpu;
@@ -99,11 +100,24 @@ pub fn fourier(terrain: &Terrain) -> Shadows {
     Shadows::Fourier(terrain.faces.iter().map(of_face).collect())
 }
 
-/// The same scene with traced shadows and with horizon maps.
-pub fn shadowed(terrain: Terrain, optics: &Optics) -> [Scene; 2] {
+/// Methods that find skylines towards a light without horizon maps.
+pub fn towards() -> [Shadows; 2] {
+    let settings = Settings::default();
+    let sweep = Swept { settings, step_rad: 0.15_f64.to_radians() };
+    [
+        Shadows::Towards(Box::new(sweep)),
+        Shadows::Towards(Box::new(SingleAzimuth { settings, spacing: 1.0, edge: Edge::Sloped })),
+    ]
+}
+
+/// The same scene with traced shadows, with horizon maps, and with skylines towards the light.
+pub fn shadowed(terrain: Terrain, optics: &Optics) -> Vec<Scene> {
     let maps = fourier(&terrain);
     [Shadows::Traced(Settings::default()), maps]
+        .into_iter()
+        .chain(towards())
         .map(|shadows| Scene { shadows, ..scene(terrain.clone(), optics.clone()) })
+        .collect()
 }
 
 /// A light in a direction of the map's axes, given at the map's centre; so far away that its rays are parallel.
@@ -142,10 +156,11 @@ pub fn towards_centre(camera_m: DVec3, lights: Vec<Light>) -> View {
     View { exposure: 0, camera_position, camera_from_body, lights }
 }
 
-/// What each renderer that can gives, by its name. Without an adapter the compute pass is left out, and it says so.
+/// What each renderer that can gives, by its name. Without an adapter the compute pass is left out, and it says so. Skylines
+/// that are found on the host are the same in both; `conformance` sees to that.
 pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
     let mut all = vec![("reference", Reference.samples(scene, view).unwrap())];
-    if !matches!(scene.shadows, Shadows::Traced(_))
+    if !matches!(scene.shadows, Shadows::Traced(_) | Shadows::Towards(_))
         && let Some(gpu) = gpu()
     {
         all.push(("pass", Passes::new(gpu).samples(scene, view).unwrap()));

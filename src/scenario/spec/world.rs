@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::horizon::Encoding;
+use crate::shadow::Edge;
 
 /// The body that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -162,7 +163,8 @@ fn default_azimuths() -> u32 {
 }
 
 /// How shadows are cast.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub enum Shadows {
     /// From Fourier-compressed horizon maps, evaluated at every sample.
     #[default]
@@ -170,10 +172,41 @@ pub enum Shadows {
     /// From the same maps, evaluated once per node while the Sun stands still: faster where images have more samples
     /// than the terrain has nodes, or the Sun stays.
     Baked,
+    /// From horizons for those azimuths only that the Sun's disc spans in the exposures: accurate and small where a sequence
+    /// lasts hours at most, and made once for all of its images.
+    Swath {
+        /// Most between two azimuths.
+        #[serde(default = "default_azimuth_step_deg")]
+        #[schemars(range(min = 0.01, max = 5.0))]
+        azimuth_step_deg: f64,
+    },
+    /// From horizons of all nodes towards the Sun, swept anew whenever it has moved: as accurate as a swath, nothing is
+    /// kept.
+    Sweep {
+        /// Most between two azimuths.
+        #[serde(default = "default_azimuth_step_deg")]
+        #[schemars(range(min = 0.01, max = 5.0))]
+        azimuth_step_deg: f64,
+    },
+    /// From horizons of all nodes towards the Sun, stepped along the map anew whenever it has moved (Aslandere 2015).
+    /// `horizon.search_m` is their reach.
+    SingleAzimuth {
+        /// From one sample to the next, in postings of the terrain.
+        #[serde(default = "one")]
+        #[schemars(range(min = 0.1, max = 100.0))]
+        spacing: f64,
+        /// What becomes of the Sun's disc.
+        #[serde(default)]
+        edge: Edge,
+    },
     /// From the exact horizon of each point, without compression. Slow; the one to compare with.
     Traced,
     /// No cast shadows; the ground still turns away from the Sun.
     Off,
+}
+
+fn default_azimuth_step_deg() -> f64 {
+    0.15
 }
 
 impl Shadows {

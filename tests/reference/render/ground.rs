@@ -11,7 +11,7 @@ use crate::scenes::{self, Grid, SOLAR_IRRADIANCE_W_M2, flat_body, map};
 fn level_ground_has_the_radiance_of_its_albedo() {
     let terrain = Grid::square(500.0, 10.0).terrain(&flat_body(), |_| 0.0);
     let optics = scenes::pinhole(8, 8, 16.0);
-    let [_, mapped] = scenes::shadowed(terrain.clone(), &optics);
+    let mapped = scenes::shadowed(terrain.clone(), &optics).swap_remove(1);
     let map = map(&flat_body());
     for scene in [scenes::scene(terrain, optics), mapped] {
         for elevation_deg in [5.0f64, 30.0, 90.0] {

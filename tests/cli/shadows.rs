@@ -1,0 +1,45 @@
+//! `sim run` with methods that find skylines towards the Sun.
+
+use super::run::{Run, SMALL};
+
+fn with_shadows(shadows: &str) -> Run {
+    Run::of(&SMALL.replace("horizon:", &format!("shadows: {shadows},\n    horizon:")))
+}
+
+#[test]
+fn every_method_runs_and_stands_in_the_manifest() {
+    for (written, recorded) in [
+        ("Swath()", "Swath { azimuth_step_deg: 0.15 }"),
+        ("Swath(azimuth_step_deg: 0.3)", "Swath { azimuth_step_deg: 0.3 }"),
+        ("Sweep()", "Sweep { azimuth_step_deg: 0.15 }"),
+        ("SingleAzimuth()", "SingleAzimuth { spacing: 1.0, edge: Sloped }"),
+        ("SingleAzimuth(spacing: 2, edge: Hard)", "SingleAzimuth { spacing: 2.0, edge: Hard }"),
+    ] {
+        let run = with_shadows(written);
+        run.succeed(&["--frames", "0..2"]);
+        let manifest = String::from_utf8(run.files()["manifest.json"].clone()).unwrap();
+        assert!(manifest.contains(recorded), "{written}: {manifest}");
+    }
+}
+
+/// The Sun goes around the Moon's sky once a month.
+#[test]
+fn a_swath_of_a_month_is_refused_before_anything_is_swept() {
+    let run = with_shadows("Swath()");
+    let month = std::fs::read_to_string(run.path("small.ron")).unwrap().replace("step_s: 10", "step_s: 600000");
+    std::fs::write(run.path("small.ron"), month.replace("(t_s: 30,", "(t_s: 2000000,")).unwrap();
+    let output = run.sim(&[]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("azimuth_step_deg = 0.15 apart, at most 64 are allowed"), "{said}");
+    assert!(!run.path("cache/horizon").exists(), "something was swept");
+    let check = std::process::Command::new(env!("CARGO_BIN_EXE_sim"))
+        .arg("check")
+        .arg(run.path("small.ron"))
+        .arg("--cache")
+        .arg(run.path("cache"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&check.stderr).into_owned() + &String::from_utf8_lossy(&check.stdout);
+    assert!(!check.status.success() && said.contains("at most 64 are allowed"), "{said}");
+}
