@@ -40,7 +40,7 @@
 //!
 //! ```text
 //! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
-//!          -> horizon -> shadow -> render -> { dataset, scenario } -> pipeline -> evaluate -> main
+//!          -> horizon -> shadow -> render -> { dataset, scenario } -> pipeline -> evaluate -> compare -> main
 //! ```
 //!
 //! A module uses only modules to its left. `tests/architecture.rs` reads the sources and says so.
@@ -78,3 +78,5 @@ pub mod scenario;
 pub mod pipeline;
 
 pub mod evaluate;
+
+pub mod compare;

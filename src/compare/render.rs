@@ -1,0 +1,206 @@
+//! A photograph's view, rendered: the true camera over the elevation models, with the shadows asked for.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+
+use super::{Error, Geometry, Grid};
+use crate::camera::PosedCamera;
+use crate::geometry::{Body, BodyFixed, Position};
+use crate::gpu::{Adapter, Gpu};
+use crate::horizon::{self, Encoding};
+use crate::photometry::{Reflectance, SolarDisk};
+use crate::pipeline::{self, AdapterChoice, Progress, ground};
+use crate::render::passes::Passes;
+use crate::render::reference::Reference;
+use crate::render::{Image, Plane, Quantity, Renderer, Scene, Shadows, View};
+use crate::scenario;
+use crate::terrain::{Surface, Terrain};
+
+/// What is rendered besides radiance, once.
+const GEOMETRIC: [Quantity; 6] = [
+    Quantity::Radiance,
+    Quantity::SunFraction,
+    Quantity::Incidence,
+    Quantity::Emission,
+    Quantity::Normal,
+    Quantity::GroundSampleDistance,
+];
+
+/// Samples along a side of a pixel: shadow edges and limbs are averaged.
+const SAMPLES_PER_SIDE: usize = 3;
+
+/// Relief that may cast shadows into the view from outside.
+const RELIEF_M: f64 = 10_000.0;
+/// How far beyond the view ground is looked for, at least and at most.
+const MARGIN_M: [f64; 2] = [20_000.0, 200_000.0];
+/// Sight lines that find the ground in view, along a side of the image.
+const PROBES: usize = 9;
+
+/// Elevation models that cover what the camera sees, and what casts shadows into it.
+pub fn terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenario::Terrain> {
+    let seen = footprint(&geometry.body, &geometry.camera);
+    let (first, last) = (*seen.first()?, *seen.last()?);
+    // The middle of what is seen.
+    let sum: glam::DVec3 = seen.iter().map(|point| point.vector_m().normalize()).sum();
+    let middle = if sum.length() > 1e-6 { sum.normalize() } else { first.vector_m().lerp(last.vector_m(), 0.5) };
+    let radius_m = first.vector_m().length();
+    let angle = |point: &Position<BodyFixed>| point.vector_m().angle_between(middle);
+    let widest = seen.iter().map(angle).fold(0.0, f64::max).min(1.2);
+    let sun = geometry.lights.first()?.position.vector_m();
+    let lowest_rad = seen.iter().map(|point| std::f64::consts::FRAC_PI_2 - point.vector_m().angle_between(sun));
+    let lowest_rad = lowest_rad.fold(f64::INFINITY, f64::min);
+    let margin_m = (RELIEF_M / lowest_rad.max(1e-3).tan()).clamp(MARGIN_M[0], MARGIN_M[1]);
+    let extent_m = 2.0 * (radius_m * widest.tan() + margin_m);
+    let centre = geometry.body.geodetic_from_position(Position::from_m(middle * radius_m));
+    let file = |path: &PathBuf| scenario::Dem::File {
+        path: path.clone(),
+        values: scenario::Values::Auto,
+        posting_m: None,
+        extent_m: Some(extent_m),
+    };
+    let centre = Some(crate::geometry::Geodetic { height_m: 0.0, ..centre });
+    Some(scenario::Terrain { centre, dems: dems.iter().map(file).collect() })
+}
+
+/// Points of the bare body on sight lines over the whole image.
+fn footprint(body: &Body, camera: &PosedCamera) -> Vec<Position<BodyFixed>> {
+    let bare = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+    let size = DVec2::new(camera.columns() as f64, camera.rows() as f64);
+    let probe = |index: usize| {
+        let share = DVec2::new((index % PROBES) as f64, (index / PROBES) as f64) / (PROBES - 1) as f64;
+        let (position, direction) = camera.ray(share * (size - 1.0))?;
+        bare.intersect(position, direction).map(|hit| hit.position)
+    };
+    (0..PROBES * PROBES).filter_map(probe).collect()
+}
+
+/// Horizon maps of a surface, kept in `cache`.
+pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Result<Shadows, Error> {
+    let (settings, folder) = (horizon::Settings::default(), cache.join("horizon"));
+    let silent = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
+    Ok(Shadows::Fourier(ground::horizons(surface, &settings, Encoding::Fm16, &folder, progress, silent)?))
+}
+
+/// Ground, camera and lights, ready for trials.
+pub struct Studio {
+    scene: Scene,
+    views: Vec<View>,
+    gpu: Option<Gpu>,
+}
+
+/// What a trial may choose.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    pub name: String,
+    pub reflectance: Reflectance,
+    pub disk: SolarDisk,
+    /// Cast shadows; without them only a facet's own plane shades it.
+    pub shadows: bool,
+    /// The Sun's radius over its true one.
+    pub sun_radii: f64,
+}
+
+impl Studio {
+    pub fn new(
+        geometry: &Geometry,
+        camera: &PosedCamera,
+        surface: Surface,
+        shadows: Shadows,
+        albedo: Option<Vec<Vec<Vec<f32>>>>,
+        trial: &Trial,
+        adapter: AdapterChoice,
+    ) -> Result<Self, Error> {
+        let gpu = match adapter {
+            AdapterChoice::Cpu => None,
+            AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
+            AdapterChoice::Auto => Gpu::open(Adapter::Auto).ok(),
+        };
+        let view = |(index, pose): (usize, &crate::camera::Pose)| View {
+            exposure: index as u64,
+            camera_position: pose.position,
+            camera_from_body: pose.camera_from_body,
+            lights: geometry.lights.clone(),
+        };
+        let views = camera.poses.iter().enumerate().map(view).collect();
+        let scene = Scene {
+            surface,
+            shadows,
+            reflectance: trial.reflectance,
+            albedo,
+            disk: trial.disk.clone(),
+            optics: camera.optics.clone(),
+            detector: None,
+            samples_per_side: SAMPLES_PER_SIDE,
+            quantities: GEOMETRIC.to_vec(),
+        };
+        Ok(Self { scene, views, gpu })
+    }
+
+    pub fn adapter(&self) -> String {
+        self.gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe)
+    }
+
+    /// Every plane of the view as the trial has it.
+    pub fn whole(&mut self, trial: &Trial) -> Result<Planes, Error> {
+        self.scene.quantities = GEOMETRIC.to_vec();
+        Ok(Planes { image: self.render(trial)? })
+    }
+
+    /// Radiance alone.
+    pub fn radiance(&mut self, trial: &Trial) -> Result<Grid, Error> {
+        self.scene.quantities = vec![Quantity::Radiance];
+        Ok(Planes { image: self.render(trial)? }.grid("RADIANCE"))
+    }
+
+    /// Renders the exposures one below the other.
+    fn render(&mut self, trial: &Trial) -> Result<Image, Error> {
+        (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
+        let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, Shadows::None));
+        let image = self.exposures(trial.sun_radii);
+        if let Some(shadows) = kept {
+            self.scene.shadows = shadows;
+        }
+        image
+    }
+
+    fn exposures(&self, sun_radii: f64) -> Result<Image, Error> {
+        let mut passes = self.gpu.as_ref().map(Passes::new);
+        let mut reference = Reference;
+        let renderer: &mut dyn Renderer = match &mut passes {
+            Some(passes) => passes,
+            None => &mut reference,
+        };
+        let mut whole: Option<Image> = None;
+        for view in &self.views {
+            let mut view = view.clone();
+            view.lights[0].angular_radius_rad *= sun_radii;
+            let part = renderer.render(&self.scene, &view)?;
+            match &mut whole {
+                None => whole = Some(part),
+                Some(whole) => append(whole, part),
+            }
+        }
+        Ok(whole.expect("a camera has a pose"))
+    }
+}
+
+fn append(whole: &mut Image, part: Image) {
+    whole.rows += part.rows;
+    for (plane, more) in whole.planes.iter_mut().zip(part.planes) {
+        plane.values.extend(more.values);
+    }
+}
+
+/// Rendered planes by name.
+#[derive(Debug, Clone)]
+pub struct Planes {
+    image: Image,
+}
+
+impl Planes {
+    pub fn grid(&self, name: &str) -> Grid {
+        let plane: &Plane = self.image.planes.iter().find(|plane| plane.name == name).expect("a plane that was asked for");
+        Grid::from_f32(self.image.columns, self.image.rows, &plane.values)
+    }
+}
