@@ -87,7 +87,7 @@ fn features(image: &Grid, shape: fn(f64, f64) -> f64) -> Grid {
     let whole: f64 = across.iter().sum();
     let [positive, negative] = [sum(1.0), sum(-1.0)].map(|sum| sum * whole);
     let taps: Vec<f64> = taps.iter().map(|tap| if *tap > 0.0 { tap / positive } else { tap / negative }).collect();
-    let luminance = image.map(|value| linear(value).cbrt());
+    let luminance = image.map(linear);
     let [dx, dy] = [(&taps, &across), (&across, &taps)].map(|(x, y)| convolved(&luminance, x, y));
     dx.zip(&dy, f64::hypot)
 }

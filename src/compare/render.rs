@@ -13,22 +13,22 @@ use crate::photometry::{Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Image, Plane, Quantity, Renderer, Scene, Shadows, View};
+use crate::render::{Image, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
 use crate::scenario;
-use crate::terrain::{Surface, Terrain};
+use crate::terrain::{Ground, Hit, Surface, Terrain};
 
 /// What is rendered besides radiance, once.
 const GEOMETRIC: [Quantity; 6] = [
     Quantity::Radiance,
     Quantity::SunFraction,
     Quantity::Incidence,
-    Quantity::Emission,
     Quantity::Normal,
-    Quantity::GroundSampleDistance,
+    Quantity::Latitude,
+    Quantity::Longitude,
 ];
 
 /// Samples along a side of a pixel: shadow edges and limbs are averaged.
-const SAMPLES_PER_SIDE: usize = 3;
+pub const SAMPLES_PER_SIDE: usize = 3;
 
 /// Relief that may cast shadows into the view from outside.
 const RELIEF_M: f64 = 10_000.0;
@@ -38,7 +38,7 @@ const MARGIN_M: [f64; 2] = [20_000.0, 200_000.0];
 const PROBES: usize = 9;
 
 /// Elevation models that cover what the camera sees, and what casts shadows into it.
-pub fn terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenario::Terrain> {
+pub fn footprint_terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenario::Terrain> {
     let seen = footprint(&geometry.body, &geometry.camera);
     let (first, last) = (*seen.first()?, *seen.last()?);
     // The middle of what is seen.
@@ -83,6 +83,7 @@ pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Res
 }
 
 /// Ground, camera and lights, ready for trials.
+#[derive(Debug)]
 pub struct Studio {
     scene: Scene,
     views: Vec<View>,
@@ -141,20 +142,19 @@ impl Studio {
         self.gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe)
     }
 
-    /// Every plane of the view as the trial has it.
+    /// Every plane of the view as the trial has it; NaN off the elevation models.
     pub fn whole(&mut self, trial: &Trial) -> Result<Planes, Error> {
         self.scene.quantities = GEOMETRIC.to_vec();
-        Ok(Planes { image: self.render(trial)? })
+        self.render(trial)
     }
 
-    /// Radiance alone.
+    /// Radiance alone, also of the bare body.
     pub fn radiance(&mut self, trial: &Trial) -> Result<Grid, Error> {
         self.scene.quantities = vec![Quantity::Radiance];
-        Ok(Planes { image: self.render(trial)? }.grid("RADIANCE"))
+        Ok(self.render(trial)?.grid("RADIANCE"))
     }
 
-    /// Renders the exposures one below the other.
-    fn render(&mut self, trial: &Trial) -> Result<Image, Error> {
+    fn render(&mut self, trial: &Trial) -> Result<Planes, Error> {
         (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
         let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, Shadows::None));
         let image = self.exposures(trial.sun_radii);
@@ -164,7 +164,8 @@ impl Studio {
         image
     }
 
-    fn exposures(&self, sun_radii: f64) -> Result<Image, Error> {
+    /// The exposures one below the other.
+    fn exposures(&self, sun_radii: f64) -> Result<Planes, Error> {
         let mut passes = self.gpu.as_ref().map(Passes::new);
         let mut reference = Reference;
         let renderer: &mut dyn Renderer = match &mut passes {
@@ -175,13 +176,25 @@ impl Studio {
         for view in &self.views {
             let mut view = view.clone();
             view.lights[0].angular_radius_rad *= sun_radii;
-            let part = renderer.render(&self.scene, &view)?;
+            let samples = renderer.samples(&self.scene, &view)?;
+            let mut part = planes::image(&self.scene, &view, &samples);
+            if self.scene.needs_centres() {
+                let on_terrain = |hit: &Option<Hit>| hit.is_some_and(|hit| matches!(hit.ground, Ground::Dem { .. }));
+                mask(&mut part, &samples.centres.iter().map(on_terrain).collect::<Vec<_>>());
+            }
             match &mut whole {
                 None => whole = Some(part),
                 Some(whole) => append(whole, part),
             }
         }
-        Ok(whole.expect("a camera has a pose"))
+        Ok(Planes { image: whole.expect("a camera has a pose") })
+    }
+}
+
+fn mask(image: &mut Image, on_terrain: &[bool]) {
+    for plane in &mut image.planes {
+        let off = plane.values.iter_mut().zip(on_terrain).filter(|(_, on)| !**on);
+        off.for_each(|(value, _)| *value = f32::NAN);
     }
 }
 
