@@ -114,6 +114,17 @@ impl Camera {
         Ok(camera)
     }
 
+    /// With rows counted towards −y of the same axes: scanners whose lines run against their motion.
+    pub fn with_lines_upwards(self) -> Self {
+        Self { focal_px: self.focal_px * DVec2::new(1.0, -1.0), ..self }
+    }
+
+    /// With the last row first.
+    pub fn with_rows_turned_over(self) -> Self {
+        let principal_px = DVec2::new(self.principal_px.x, f64::from(self.rows) - 1.0 - self.principal_px.y);
+        Self { principal_px, ..self }.with_lines_upwards()
+    }
+
     /// The same field of view in other pixels.
     pub fn resized(&self, columns: u32, rows: u32) -> Self {
         let scale = DVec2::new(f64::from(columns) / f64::from(self.columns), f64::from(rows) / f64::from(self.rows));

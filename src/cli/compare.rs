@@ -31,9 +31,9 @@ pub struct Args {
     /// Take the albedo map even if it holds the photograph; the report's first line says so
     #[arg(long, requires = "albedo")]
     force: bool,
-    /// Law of reflection
-    #[arg(long, value_enum, default_value_t)]
-    photometry: Photometry,
+    /// Law of reflection [default: a scenario's own, else lunar-lambert]
+    #[arg(long, value_enum)]
+    photometry: Option<Photometry>,
     /// How the image may be moved to meet the render
     #[arg(long, value_enum, default_value_t)]
     register: Registration,
@@ -78,10 +78,9 @@ Examples:
   sim compare M1234567890LE.cub --geometry M1234567890LE.json --dem site_5m.tif --dem cap_240m.tif
   sim compare exposure_0003.png --geometry lunar_descent.ron --image 3";
 
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum Photometry {
     Lambert,
-    #[default]
     LommelSeeliger,
     LunarLambert,
     Minnaert,
@@ -158,7 +157,7 @@ pub fn run(args: Args) -> Outcome {
         dems: args.dem,
         albedo: args.albedo,
         force: args.force,
-        law: args.photometry.into(),
+        law: args.photometry.map(Law::from),
         freedom: args.register.into(),
         model: args.fit.into(),
         dark: args.dark,

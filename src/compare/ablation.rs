@@ -10,7 +10,7 @@ use super::numbers::Numbers;
 use super::photometric::{Model, Response};
 use super::register::{Freedom, Registration, register, warped};
 use super::render::{Studio, Trial};
-use super::study::Law;
+use super::study::{Law, Resolution};
 use super::{Error, Grid};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::pipeline::Progress;
@@ -21,8 +21,8 @@ pub struct Setting<'a> {
     pub photo: &'a Grid,
     /// The main row's render, NaN off the elevation models.
     pub radiance: &'a Grid,
-    pub registration: &'a Registration,
-    pub high_pass_px: f64,
+    pub resolution: &'a Resolution,
+    pub freedom: Freedom,
     pub model: Model,
 }
 
@@ -30,7 +30,6 @@ pub struct Setting<'a> {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     pub name: String,
-    pub shift_px: [f64; 2],
     pub numbers: Numbers,
     pub excess: Excess,
     /// Of high-passed images.
@@ -49,57 +48,116 @@ const HARD: f64 = 0.01;
 /// Blocks along a side of the image.
 const BLOCKS: usize = 8;
 
+/// Turns of the Sun that are tried: near its place, and far from it.
+const NEAR_DEG: [f64; 2] = [20.0, 5.0];
+const FAR_DEG: [f64; 2] = [-120.0, 120.0];
+
 /// The variants, the main one first.
-pub fn trials(law: Law) -> Result<Vec<Trial>, Error> {
-    let main = Trial::of(law)?;
+pub fn trials(main: &Trial) -> Result<Vec<Trial>, Error> {
     let uniform = SolarDisk::new(LimbDarkening::Uniform)?;
+    let limb_darkened = Trial::of(Law::LunarLambert)?.disk;
     let mut trials = vec![
-        Trial { name: format!("{}: soft shadows, limb-darkened disc", law.name()), ..main.clone() },
+        Trial { name: format!("{}, as compared", main.name), ..main.clone() },
+        Trial { name: "limb-darkened disc".into(), disk: limb_darkened, ..main.clone() },
         Trial { name: "uniform disc".into(), disk: uniform, ..main.clone() },
         Trial { name: "hard shadows".into(), sun_radii: HARD, ..main.clone() },
-        Trial { name: "no cast shadows".into(), shadows: false, ..main },
+        Trial { name: "no cast shadows".into(), shadows: false, ..main.clone() },
     ];
-    for other in Law::ALL.into_iter().filter(|other| *other != law) {
-        trials.push(Trial::of(other)?);
+    for law in Law::ALL.into_iter().filter(|law| law.name() != main.name) {
+        trials.push(Trial { shadows: main.shadows, ..Trial::of(law)? });
     }
     let baseline = Law::LommelSeeliger;
-    if law != baseline {
-        trials.push(Trial { name: format!("{}, no cast shadows", baseline.name()), shadows: false, ..Trial::of(baseline)? });
-    }
-    Ok(trials)
+    let name = format!("{}, no cast shadows", baseline.name());
+    trials.push(Trial { name, shadows: false, ..Trial::of(baseline)? });
+    // What is no change is no variant.
+    let main = trials[0].clone();
+    let changes = |trial: &Trial| {
+        (&trial.disk, trial.shadows, &trial.reflectance) != (&main.disk, main.shadows, &main.reflectance)
+            || trial.sun_radii != main.sun_radii
+    };
+    let mut kept = vec![main.clone()];
+    kept.extend(trials.into_iter().skip(1).filter(changes));
+    Ok(kept)
 }
 
 /// Renders and compares all variants.
-pub fn run(studio: &mut Studio, law: Law, setting: &Setting, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
-    let trials = trials(law)?;
-    progress.begin("ablation", trials.len(), "variants");
+pub fn run(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
+    let trials = trials(main)?;
+    let count = trials.len();
+    progress.begin("ablation", count, "variants");
+    let high_pass_px = setting.resolution.high_pass_px;
     let mut main: Option<Grid> = None;
     let mut rows = Vec::new();
     for (index, trial) in trials.into_iter().enumerate() {
-        let radiance = studio.radiance(&trial)?.zip(setting.radiance, |value, main| if main.is_nan() { main } else { value });
-        let (fitted, mut row) = row(trial.name, &radiance, setting)?;
+        let radiance = setting.radiance(studio, &trial)?;
+        let render = warped(&radiance, &setting.registration(&radiance)?.motion);
+        let fitted = Response::fit(setting.model, setting.photo, &render).apply(&render);
         let main = main.get_or_insert_with(|| fitted.clone());
-        row.excess = excess(setting.photo, &fitted, main);
-        let [photo, fitted, main] = [setting.photo, &fitted, main].map(|image| image.high_pass(setting.high_pass_px));
-        row.high_pass_excess = excess(&photo, &fitted, &main);
-        rows.push(row);
-        progress.at(index + 1, 0);
+        let [photo, high, high_main] = [setting.photo, &fitted, main].map(|image| image.high_pass(high_pass_px));
+        rows.push(Row {
+            name: trial.name,
+            numbers: Numbers::of(setting.photo, &render, &fitted, high_pass_px, 0.0),
+            excess: excess(setting.photo, &fitted, main),
+            high_pass_excess: excess(&photo, &high, &high_main),
+        });
+        progress.at(index + 1, count);
     }
     Ok(rows)
 }
 
-fn row(name: String, radiance: &Grid, setting: &Setting) -> Result<(Grid, Row), Error> {
-    let Setting { photo, registration, high_pass_px, model, .. } = *setting;
-    let found = match registration.freedom {
-        Freedom::Nothing => registration.clone(),
-        freedom => register(&photo.high_pass(high_pass_px), &radiance.high_pass(high_pass_px), freedom)?,
+/// Where the photograph has the Sun: high-pass correlations with Suns turned from the true place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sun {
+    /// Azimuth and elevation of the turn in degrees, and the correlation.
+    pub tried: Vec<[f64; 3]>,
+    /// The vertex of a parabola through the near ones, in azimuth and in elevation; absent where it has no maximum.
+    pub best_turn_deg: [Option<f64>; 2],
+    /// No Sun tried is liked better, and the vertices lie within half a step.
+    pub agrees: bool,
+}
+
+/// Turns the Sun, without cast shadows: shading says enough.
+pub fn sun(
+    studio: &mut Studio,
+    main: &Trial,
+    setting: &Setting,
+    progress: &dyn Progress,
+) -> Result<Sun, Error> {
+    let [azimuth, elevation] = NEAR_DEG;
+    let far = FAR_DEG.map(|turn| [turn, 0.0]);
+    let near = [[0.0, 0.0], [-azimuth, 0.0], [azimuth, 0.0], [0.0, -elevation], [0.0, elevation]];
+    let turns: Vec<[f64; 2]> = near.into_iter().chain(far).collect();
+    progress.begin("turning the Sun", turns.len(), "directions");
+    let mut tried = Vec::new();
+    for turn in &turns {
+        let sun_turn_rad = turn.map(f64::to_radians);
+        let radiance = setting.radiance(studio, &Trial { shadows: false, sun_turn_rad, ..main.clone() })?;
+        tried.push([turn[0], turn[1], setting.registration(&radiance)?.correlation]);
+        progress.at(tried.len(), turns.len());
+    }
+    let vertex = |low: usize, high: usize, step: f64| {
+        let [a, b, c] = [low, 0, high].map(|index| tried[index][2]);
+        let bend = a - 2.0 * b + c;
+        (bend < 0.0).then(|| 0.5 * step * (a - c) / bend)
     };
-    let render = warped(radiance, &found.motion);
-    let fitted = Response::fit(model, photo, &render).apply(&render);
-    let numbers = Numbers::of(photo, &render, &fitted, high_pass_px, 0.0);
-    let shift_px = found.motion.shift_px;
-    let same = Excess::default();
-    Ok((fitted, Row { name, shift_px, numbers, excess: same, high_pass_excess: same }))
+    let best_turn_deg = [vertex(1, 2, azimuth), vertex(3, 4, elevation)];
+    let here = tried[0][2];
+    let close = best_turn_deg.iter().zip(NEAR_DEG).all(|(turn, step)| turn.is_some_and(|turn| turn.abs() <= step / 2.0));
+    let agrees = close && tried.iter().all(|[_, _, correlation]| *correlation <= here);
+    Ok(Sun { tried, best_turn_deg, agrees })
+}
+
+impl Setting<'_> {
+    /// A variant's radiance at the resolution compared, where the main one has ground.
+    fn radiance(&self, studio: &mut Studio, trial: &Trial) -> Result<Grid, Error> {
+        let radiance = self.resolution.seen(studio.radiance(trial)?);
+        Ok(radiance.zip(self.radiance, |value, main| if main.is_nan() { main } else { value }))
+    }
+
+    fn registration(&self, radiance: &Grid) -> Result<Registration, Error> {
+        let high_pass_px = self.resolution.high_pass_px;
+        register(&self.photo.high_pass(high_pass_px), &radiance.high_pass(high_pass_px), self.freedom)
+    }
 }
 
 /// Over blocks of the image.
@@ -138,8 +196,12 @@ mod tests {
 
     #[test]
     fn each_variant_changes_one_thing() {
-        let names: Vec<_> = trials(Law::LunarLambert).unwrap().into_iter().map(|trial| trial.name).collect();
-        assert_eq!(names.len(), 9);
-        assert!(names[0].contains("limb-darkened") && names.last().unwrap().contains("no cast shadows"));
+        let main = Trial::of(Law::LunarLambert).unwrap();
+        let names: Vec<_> = trials(&main).unwrap().into_iter().map(|trial| trial.name).collect();
+        let laws = ["Lambert", "Lommel-Seeliger", "Minnaert k = 0.7", "Hapke, Moon"];
+        let mut expected = vec!["lunar-Lambert, as compared", "uniform disc", "hard shadows", "no cast shadows"];
+        expected.extend(laws);
+        expected.push("Lommel-Seeliger, no cast shadows");
+        assert_eq!(names, expected);
     }
 }

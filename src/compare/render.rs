@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec2;
+use glam::{DQuat, DVec2, DVec3};
 
 use super::{Error, Geometry, Grid};
 use crate::camera::PosedCamera;
@@ -13,7 +13,7 @@ use crate::photometry::{Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Image, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
+use crate::render::{Image, Light, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
 use crate::scenario;
 use crate::terrain::{Ground, Hit, Surface, Terrain};
 
@@ -27,9 +27,6 @@ const GEOMETRIC: [Quantity; 6] = [
     Quantity::Longitude,
 ];
 
-/// Samples along a side of a pixel: shadow edges and limbs are averaged.
-pub const SAMPLES_PER_SIDE: usize = 3;
-
 /// Relief that may cast shadows into the view from outside.
 const RELIEF_M: f64 = 10_000.0;
 /// How far beyond the view ground is looked for, at least and at most.
@@ -42,7 +39,7 @@ pub fn footprint_terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenar
     let seen = footprint(&geometry.body, &geometry.camera);
     let (first, last) = (*seen.first()?, *seen.last()?);
     // The middle of what is seen.
-    let sum: glam::DVec3 = seen.iter().map(|point| point.vector_m().normalize()).sum();
+    let sum: DVec3 = seen.iter().map(|point| point.vector_m().normalize()).sum();
     let middle = if sum.length() > 1e-6 { sum.normalize() } else { first.vector_m().lerp(last.vector_m(), 0.5) };
     let radius_m = first.vector_m().length();
     let angle = |point: &Position<BodyFixed>| point.vector_m().angle_between(middle);
@@ -87,6 +84,7 @@ pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Res
 pub struct Studio {
     scene: Scene,
     views: Vec<View>,
+    up: DVec3,
     gpu: Option<Gpu>,
 }
 
@@ -100,12 +98,24 @@ pub struct Trial {
     pub shadows: bool,
     /// The Sun's radius over its true one.
     pub sun_radii: f64,
+    /// How the Sun is turned from its true place in the sky of the image's middle: azimuth (clockwise), elevation.
+    pub sun_turn_rad: [f64; 2],
+}
+
+/// Who looks, and by which light.
+#[derive(Debug, Clone, Copy)]
+pub struct Stage<'a> {
+    pub camera: &'a PosedCamera,
+    pub lights: &'a [Light],
+    /// The vertical in the image's middle.
+    pub up: DVec3,
+    /// Along a side of a pixel.
+    pub samples: usize,
 }
 
 impl Studio {
     pub fn new(
-        geometry: &Geometry,
-        camera: &PosedCamera,
+        stage: &Stage,
         surface: Surface,
         shadows: Shadows,
         albedo: Option<Vec<Vec<Vec<f32>>>>,
@@ -121,21 +131,21 @@ impl Studio {
             exposure: index as u64,
             camera_position: pose.position,
             camera_from_body: pose.camera_from_body,
-            lights: geometry.lights.clone(),
+            lights: stage.lights.to_vec(),
         };
-        let views = camera.poses.iter().enumerate().map(view).collect();
+        let views = stage.camera.poses.iter().enumerate().map(view).collect();
         let scene = Scene {
             surface,
             shadows,
             reflectance: trial.reflectance,
             albedo,
             disk: trial.disk.clone(),
-            optics: camera.optics.clone(),
+            optics: stage.camera.optics.clone(),
             detector: None,
-            samples_per_side: SAMPLES_PER_SIDE,
+            samples_per_side: stage.samples,
             quantities: GEOMETRIC.to_vec(),
         };
-        Ok(Self { scene, views, gpu })
+        Ok(Self { scene, views, up: stage.up, gpu })
     }
 
     pub fn adapter(&self) -> String {
@@ -154,10 +164,17 @@ impl Studio {
         Ok(self.render(trial)?.grid("RADIANCE"))
     }
 
+    fn turned(&self, sun: Position<BodyFixed>, [azimuth_rad, elevation_rad]: [f64; 2]) -> Position<BodyFixed> {
+        let across = sun.vector_m().cross(self.up).normalize_or_zero();
+        let risen = DQuat::from_axis_angle(across, elevation_rad) * sun.vector_m();
+        // Clockwise from above.
+        Position::from_m(DQuat::from_axis_angle(self.up, -azimuth_rad) * risen)
+    }
+
     fn render(&mut self, trial: &Trial) -> Result<Planes, Error> {
         (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
         let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, Shadows::None));
-        let image = self.exposures(trial.sun_radii);
+        let image = self.exposures(trial);
         if let Some(shadows) = kept {
             self.scene.shadows = shadows;
         }
@@ -165,7 +182,7 @@ impl Studio {
     }
 
     /// The exposures one below the other.
-    fn exposures(&self, sun_radii: f64) -> Result<Planes, Error> {
+    fn exposures(&self, trial: &Trial) -> Result<Planes, Error> {
         let mut passes = self.gpu.as_ref().map(Passes::new);
         let mut reference = Reference;
         let renderer: &mut dyn Renderer = match &mut passes {
@@ -175,7 +192,8 @@ impl Studio {
         let mut whole: Option<Image> = None;
         for view in &self.views {
             let mut view = view.clone();
-            view.lights[0].angular_radius_rad *= sun_radii;
+            view.lights[0].angular_radius_rad *= trial.sun_radii;
+            view.lights[0].position = self.turned(view.lights[0].position, trial.sun_turn_rad);
             let samples = renderer.samples(&self.scene, &view)?;
             let mut part = planes::image(&self.scene, &view, &samples);
             if self.scene.needs_centres() {

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value as Json, json};
 
-use super::render::SAMPLES_PER_SIDE;
-use super::study::{AlbedoSource, Comparison, WAVELENGTH_NM};
+use super::study::{AlbedoSource, Comparison, SLOPE_SIGMA};
 use super::{Error, Freedom, figures};
 use crate::dataset;
 use crate::evaluate::plot::{Axis, Curve, Plot, escaped};
@@ -42,21 +41,27 @@ impl Comparison {
         format!("Fitted to the photograph: {motion}; photometric response: {}. Nothing else.", self.model.name())
     }
 
+    /// Whether the photograph agrees with the Sun; empty where it was not asked.
+    fn sun_line(&self) -> Option<String> {
+        let sun = self.sun.as_ref()?;
+        let turn = |turn: Option<f64>| turn.map_or("nowhere near".to_owned(), |turn| format!("{turn:+.1} deg"));
+        let [azimuth, elevation] = sun.best_turn_deg.map(turn);
+        let verdict = if sun.agrees { "The photograph agrees with the Sun" } else { "THE PHOTOGRAPH WANTS ANOTHER SUN" };
+        Some(format!(
+            "{verdict}: it is most like a render with the Sun turned by {azimuth} in azimuth and {elevation} in elevation."
+        ))
+    }
+
     pub fn notes(&self) -> Vec<String> {
         let r = &self.resolution;
-        vec![
-            self.first_line(),
-            self.fitted_line(),
+        let mut notes = vec![self.first_line(), self.fitted_line()];
+        notes.extend(self.sun_line());
+        notes.extend([
             format!("Geometry: {}. Elevation: {}.", self.geometry, self.dems.join(", ")),
+            format!("Render: {} reflectance, by {}.", self.law, self.adapter),
             format!(
-                "Render: {}, shadows from horizon maps, limb-darkened disc at {WAVELENGTH_NM} nm, {SAMPLES_PER_SIDE} x {SAMPLES_PER_SIDE} \
-                 samples a pixel; {}.",
-                self.law.name(),
-                self.adapter
-            ),
-            format!(
-                "Photograph {} x {} of {:.0} m, elevation posted at {:.0} m; compared at {} x {} of {:.0} m. High-pass: \
-                 less a Gaussian of {:.1} px.",
+                "Photograph {} x {} of {:.0} m, elevation posted at {:.0} m; compared at {} x {} of {:.0} m, both \
+                 smoothed by {:.0} m as the model's slopes are. High-pass: less a Gaussian of {:.1} px.",
                 r.photo_px[0],
                 r.photo_px[1],
                 r.photo_pixel_m,
@@ -64,9 +69,11 @@ impl Comparison {
                 r.compared_px[0],
                 r.compared_px[1],
                 r.compared_pixel_m,
+                SLOPE_SIGMA * r.posting_m,
                 r.high_pass_px
             ),
-        ]
+        ]);
+        notes
     }
 
     pub fn tables(&self) -> Vec<Table> {
@@ -96,7 +103,7 @@ impl Comparison {
         let mut table = Table::new("registration", "Where the photograph's pixels lie on the render", &columns);
         let (found, sigma) = (self.registration.motion, self.registration.sigma);
         let pixel_m = self.resolution.compared_pixel_m;
-        let mrad = self.pixel_rad * 1e3;
+        let (range_m, mrad) = (self.resolution.range_m, pixel_m / self.resolution.range_m * 1e3);
         for (name, value, error, unit) in [
             ("shift along columns", found.shift_px[0], sigma.shift_px[0], "px"),
             ("shift along rows", found.shift_px[1], sigma.shift_px[1], "px"),
@@ -106,7 +113,7 @@ impl Comparison {
             ("shift along rows, on the ground", found.shift_px[1] * pixel_m, sigma.shift_px[1] * pixel_m, "m"),
             ("or: camera turned about its rows' axis", found.shift_px[1] * mrad, sigma.shift_px[1] * mrad, "mrad"),
             ("or: camera turned about its columns' axis", found.shift_px[0] * mrad, sigma.shift_px[0] * mrad, "mrad"),
-            ("or: camera farther by", found.scale * self.range_m, sigma.scale * self.range_m, "m"),
+            ("or: camera farther by", found.scale * range_m, sigma.scale * range_m, "m"),
         ] {
             table.rows.push(vec![name.into(), value.into(), error.into(), unit.into()]);
         }
@@ -218,7 +225,8 @@ impl Comparison {
             "photograph": self.photo_name,
             "notes": self.notes(),
             "fair": !matches!(self.albedo, AlbedoSource::HoldsPhoto { .. }),
-            "law": self.law.name(),
+            "law": self.law,
+            "sun": self.sun,
             "resolution": {
                 "photograph_px": self.resolution.photo_px,
                 "photograph_pixel_m": self.resolution.photo_pixel_m,

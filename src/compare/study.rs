@@ -5,7 +5,9 @@
 //! ```
 //!
 //! Both are compared at the coarser of their resolutions: the photograph is averaged over areas until its pixels are as
-//! large on the ground as the elevation model's posting, and the render is made with pixels of that size.
+//! large on the ground as the elevation model's posting, and both are smoothed by the [`SLOPE_SIGMA`] postings
+//! over which the model's slopes are means. The render has the photograph's pixels, or larger ones up to a third of
+//! those compared, and is reduced as the photograph is: a render compared with itself differs by nothing.
 //!
 //! # Assumptions
 //! The Sun's distance and the poses stand still during an exposure. The border of [`BORDER`] of the image, with its
@@ -13,7 +15,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::ablation::{self, Row};
 use super::edges::{self, Confusion, Displacement};
@@ -21,7 +23,8 @@ use super::numbers::Numbers;
 use super::photometric::{Model, Response};
 use super::profile::{self, Bin, Profile};
 use super::register::{Freedom, Registration, register, warped};
-use super::render::{Planes, Studio, Trial, footprint_terrain, horizons};
+use super::render::{Planes, Stage, Studio, Trial, footprint_terrain, horizons};
+use crate::render::Shadows;
 use super::{Error, Geometry, Grid, provenance};
 use crate::camera::PosedCamera;
 use crate::geometry::{BodyFixed, Position};
@@ -42,7 +45,8 @@ pub struct Request {
     pub albedo: Option<PathBuf>,
     /// Compare even where the albedo map holds the photograph.
     pub force: bool,
-    pub law: Law,
+    /// `None`: a scenario's own, else lunar-Lambert.
+    pub law: Option<Law>,
     pub freedom: Freedom,
     pub model: Model,
     /// Jung's dark level, a share of the photograph's largest number.
@@ -73,6 +77,11 @@ pub enum Law {
     HapkeMoon,
 }
 
+/// Standard deviation of what a slope of the elevation model averages over, in postings: central differences span two
+/// of them, `(2²)/12`, and are interpolated over a tent, `1/6`; the root of the sum.
+pub const SLOPE_SIGMA: f64 = 0.707;
+/// Rendered pixels along a compared one, at most.
+const FINER: f64 = 3.0;
 /// Width of the border that does not count, over the image's sides.
 pub const BORDER: f64 = 0.03;
 /// Standard deviation of the Gaussian that the high-pass takes away, over the longer side.
@@ -114,7 +123,20 @@ impl Trial {
     /// Cast shadows of a limb-darkened Sun.
     pub fn of(law: Law) -> Result<Self, Error> {
         let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?;
-        Ok(Self { name: law.name().into(), reflectance: law.reflectance(), disk, shadows: true, sun_radii: 1.0 })
+        let (name, reflectance) = (law.name().into(), law.reflectance());
+        Ok(Self { name, reflectance, disk, shadows: true, sun_radii: 1.0, sun_turn_rad: [0.0; 2] })
+    }
+
+    /// The scenario's own surface, disc and shadows.
+    fn of_scenario(scenario: &scenario::Scenario) -> Result<Self, Error> {
+        Ok(Self {
+            name: "the scenario's".into(),
+            reflectance: pipeline::scene::reflectance(scenario)?,
+            disk: pipeline::scene::disk(scenario)?,
+            shadows: scenario.shadows != scenario::Shadows::Off,
+            sun_radii: 1.0,
+            sun_turn_rad: [0.0; 2],
+        })
     }
 }
 
@@ -125,7 +147,7 @@ pub struct Comparison {
     pub geometry: String,
     pub adapter: String,
     pub dems: Vec<String>,
-    pub law: Law,
+    pub law: String,
     pub model: Model,
     pub albedo: AlbedoSource,
     pub resolution: Resolution,
@@ -136,12 +158,9 @@ pub struct Comparison {
     pub responses: Vec<(Model, Response, Numbers)>,
     pub confusion: Option<Confusion>,
     pub displacement: Option<Displacement>,
-    /// Towards the Sun in the image.
-    pub towards_sun: DVec2,
-    /// Angle of a compared pixel, and distance of the ground, in the middle of the image.
-    pub pixel_rad: f64,
-    pub range_m: f64,
     pub ablation: Vec<Row>,
+    /// Where the photograph has the Sun.
+    pub sun: Option<ablation::Sun>,
     pub by_incidence: Vec<Bin>,
     pub by_slope: Vec<Bin>,
     pub profiles: Vec<Profile>,
@@ -177,28 +196,33 @@ pub struct Resolution {
 pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison, Error> {
     let albedo = check_albedo(request)?;
     let picture = Picture::open(&request.photo, request.band)?;
+    let main = main_trial(request)?;
     let (geometry, mut ground) = geometry(request, &picture, progress)?;
     let resolution = resolution(request, &picture, &geometry, &ground.surface)?;
-    let factor = resolution.compared_pixel_m / resolution.photo_pixel_m;
-    let camera = geometry.camera.coarser(factor)?;
-    let scale = if matches!(request.law, Law::HapkeMoon) { 1.0 } else { 1.0 / NORMAL_ALBEDO };
-    let maps = request.albedo.as_ref().map(|path| ground::albedo(&mut ground.surface, path, scale)).transpose()?;
-    let shadows = horizons(&ground.surface, &request.cache, progress)?;
-    let trial = Trial::of(request.law)?;
-    let towards_sun = towards_sun(&geometry, &camera, &ground.surface).ok_or_else(|| no_ground(request, &geometry))?;
-    let mut studio = Studio::new(&geometry, &camera, ground.surface, shadows, maps, &trial, request.adapter)?;
+    let camera = geometry.camera.coarser(resolution.render_factor())?;
+    let maps = match albedo_map(request) {
+        Some(path) => Some(ground::albedo(&mut ground.surface, &path, albedo_scale(&main.reflectance))?),
+        None => None,
+    };
+    let shadows = if main.shadows { horizons(&ground.surface, &request.cache, progress)? } else { Shadows::None };
+    let sky = Sky::of(&geometry, &camera, &ground.surface).ok_or_else(|| no_ground(request, &geometry))?;
+    let light = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
+    let mut studio = Studio::new(&light, ground.surface, shadows, maps, &main, request.adapter)?;
 
     progress.begin("rendering", 1, "image");
-    let planes = studio.whole(&trial)?;
+    let planes = studio.whole(&main)?;
     progress.at(1, 1);
+    let seen = |image: Grid| resolution.seen(image);
     let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
+    let photo = seen(photo);
     let photo = photo.without_border(border(photo.columns), border(photo.rows));
+    let radiance = seen(planes.grid("RADIANCE"));
     let high_pass_px = resolution.high_pass_px;
-    let radiance = planes.grid("RADIANCE");
     let registration = register(&photo.high_pass(high_pass_px), &radiance.high_pass(high_pass_px), request.freedom)?;
-    let render = warped(&radiance, &registration.motion);
-    let sun_fraction = warped(&planes.grid("SUN_FRACTION"), &registration.motion);
+    let moved = |image: &Grid| warped(image, &registration.motion);
+    let render = moved(&radiance);
+    let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
 
     let fit = |model: Model| {
         let response = Response::fit(model, &photo, &render);
@@ -212,24 +236,29 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let confusion = threshold.map(|threshold| edges::confusion(&photo, &sun_fraction, threshold));
     let pixel_m = resolution.compared_pixel_m;
     let displacement =
-        threshold.map(|threshold| edges::displacement(&photo, &sun_fraction, threshold, towards_sun, pixel_m));
-    let [incidence, slope] = [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)]
-        .map(|plane| warped(&plane, &registration.motion));
+        threshold.map(|threshold| edges::displacement(&photo, &sun_fraction, threshold, sky.towards_sun, pixel_m));
+    let [incidence, slope] =
+        [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
     let setting = ablation::Setting {
         photo: &photo,
         radiance: &radiance,
-        registration: &registration,
-        high_pass_px,
+        resolution: &resolution,
+        freedom: request.freedom,
         model: request.model,
     };
-    let ablation =
-        if request.ablation { ablation::run(&mut studio, request.law, &setting, progress)? } else { Vec::new() };
+    let (ablation, sun) = match request.ablation {
+        true => {
+            let rows = ablation::run(&mut studio, &main, &setting, progress)?;
+            (rows, Some(ablation::sun(&mut studio, &main, &setting, progress)?))
+        }
+        false => (Vec::new(), None),
+    };
     Ok(Comparison {
         photo_name: ground::file_name(&request.photo),
         geometry: geometry.source,
         adapter: studio.adapter(),
         dems: ground.inputs.iter().map(|input| format!("{} (SHA-256 {})", input.name, input.sha256)).collect(),
-        law: request.law,
+        law: main.name,
         model,
         albedo,
         resolution,
@@ -237,13 +266,11 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         responses,
         confusion,
         displacement,
-        towards_sun,
-        pixel_rad: resolution.compared_pixel_m / resolution.range_m,
-        range_m: resolution.range_m,
         ablation,
+        sun,
         by_incidence: profile::binned(&photo, &fitted, &incidence, 5.0),
         by_slope: profile::binned(&photo, &fitted, &slope, 2.5),
-        profiles: profile::across_shadows(&photo, &fitted, &sun_fraction, towards_sun),
+        profiles: profile::across_shadows(&photo, &fitted, &sun_fraction, sky.towards_sun),
         registration,
         response,
         photo,
@@ -252,14 +279,74 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     })
 }
 
+fn main_trial(request: &Request) -> Result<Trial, Error> {
+    match (&request.geometry, request.law) {
+        (_, Some(law)) => Trial::of(law),
+        (GeometrySource::Scenario { scenario, .. }, None) => Trial::of_scenario(scenario),
+        (GeometrySource::File(_), None) => Trial::of(Law::LunarLambert),
+    }
+}
+
+/// The map given, or the scenario's.
+fn albedo_map(request: &Request) -> Option<PathBuf> {
+    let own = match &request.geometry {
+        GeometrySource::Scenario { scenario, .. } => match &scenario.albedo {
+            scenario::Albedo::Map(path) => Some(path.clone()),
+            scenario::Albedo::Constant(_) => None,
+        },
+        GeometrySource::File(_) => None,
+    };
+    request.albedo.clone().or(own)
+}
+
+/// A map holds normal albedos; it multiplies Hapke's law as it is.
+fn albedo_scale(reflectance: &Reflectance) -> f64 {
+    match *reflectance {
+        Reflectance::Lambert { normal_albedo }
+        | Reflectance::LommelSeeliger { normal_albedo }
+        | Reflectance::LunarLambert { normal_albedo }
+        | Reflectance::Minnaert { normal_albedo, .. } => 1.0 / normal_albedo,
+        Reflectance::Hapke(_) => 1.0,
+    }
+}
+
+/// Samples along a side of a rendered pixel: a scenario's own, else about three along a compared one.
+fn samples(request: &Request, resolution: &Resolution) -> usize {
+    match &request.geometry {
+        GeometrySource::Scenario { scenario, .. } => scenario.camera.samples_per_pixel.isqrt() as usize,
+        GeometrySource::File(_) => (FINER * resolution.render_factor() / resolution.factor()).round().max(1.0) as usize,
+    }
+}
+
+impl Resolution {
+    /// A compared pixel over the photograph's.
+    fn factor(&self) -> f64 {
+        self.compared_pixel_m / self.photo_pixel_m
+    }
+
+    /// A rendered pixel over the photograph's: its own where that is affordable, so that both are reduced alike.
+    fn render_factor(&self) -> f64 {
+        (self.factor() / FINER).max(1.0)
+    }
+
+    pub fn reduced(&self, image: Grid) -> Grid {
+        image.reduced(self.compared_px[0], self.compared_px[1])
+    }
+
+    /// Reduced and smoothed to what both can show.
+    pub fn seen(&self, image: Grid) -> Grid {
+        self.reduced(image).blurred(SLOPE_SIGMA * self.posting_m / self.compared_pixel_m)
+    }
+}
+
 /// Refuses a map that holds the photograph, before any work.
 fn check_albedo(request: &Request) -> Result<AlbedoSource, Error> {
-    let Some(albedo) = &request.albedo else { return Ok(AlbedoSource::Constant) };
-    let map = provenance::source(albedo)?;
-    match provenance::holds(albedo, &request.photo)? {
+    let Some(albedo) = albedo_map(request) else { return Ok(AlbedoSource::Constant) };
+    let map = provenance::source(&albedo)?;
+    match provenance::holds(&albedo, &request.photo)? {
         None => Ok(AlbedoSource::Map(map)),
         Some(reason) if request.force => Ok(AlbedoSource::HoldsPhoto { map, reason }),
-        Some(reason) => Err(Error::AlbedoHoldsPhoto { albedo: albedo.clone(), reason }),
+        Some(reason) => Err(Error::AlbedoHoldsPhoto { albedo, reason }),
     }
 }
 
@@ -332,19 +419,28 @@ fn look(camera: &PosedCamera, surface: &Surface, pixel: DVec2) -> Option<(crate:
     surface.intersect(position, direction).map(|hit| (hit, position))
 }
 
-/// The unit vector of the image along which the ground comes nearer to the Sun, in the middle of the image.
-fn towards_sun(geometry: &Geometry, camera: &PosedCamera, surface: &Surface) -> Option<DVec2> {
-    let (hit, _) = look(camera, surface, middle(camera))?;
-    let pose = &camera.poses[camera.poses.len() / 2];
-    let here = hit.position.vector_m();
-    let sun = (geometry.lights[0].position.vector_m() - here).normalize();
-    let ahead = sun.reject_from(here.normalize()).try_normalize()?;
-    let pixel = |point: glam::DVec3| {
-        let direction = pose.position.direction_to(Position::from_m(point))?;
-        camera.optics.pixel(pose.camera_from_body * direction)
-    };
-    let step_m = 1e-3 * hit.distance_m;
-    (pixel(here + step_m * ahead)? - pixel(here)?).try_normalize()
+/// The middle of the image: its vertical, and the Sun in it.
+struct Sky {
+    up: DVec3,
+    /// The unit vector of the image along which the ground comes nearer to the Sun.
+    towards_sun: DVec2,
+}
+
+impl Sky {
+    fn of(geometry: &Geometry, camera: &PosedCamera, surface: &Surface) -> Option<Self> {
+        let (hit, _) = look(camera, surface, middle(camera))?;
+        let pose = &camera.poses[camera.poses.len() / 2];
+        let here = hit.position.vector_m();
+        let up = here.normalize();
+        let sun = (geometry.lights[0].position.vector_m() - here).normalize();
+        let ahead = sun.reject_from(up).try_normalize()?;
+        let pixel = |point: DVec3| {
+            let direction = pose.position.direction_to(Position::from_m(point))?;
+            camera.optics.pixel(pose.camera_from_body * direction)
+        };
+        let step_m = 1e-3 * hit.distance_m;
+        Some(Self { up, towards_sun: (pixel(here + step_m * ahead)? - pixel(here)?).try_normalize()? })
+    }
 }
 
 /// Angle of the ground with the spheroid's horizontal plane, in degrees.
@@ -352,7 +448,7 @@ fn slope(planes: &Planes, geometry: &Geometry) -> Grid {
     let [x, y, z, latitude, longitude] =
         ["NORMAL.X", "NORMAL.Y", "NORMAL.Z", "LATITUDE", "LONGITUDE"].map(|name| planes.grid(name));
     let value = |i: usize| {
-        let normal = glam::DVec3::new(x.values[i], y.values[i], z.values[i]);
+        let normal = DVec3::new(x.values[i], y.values[i], z.values[i]);
         let place = crate::geometry::Geodetic::from_degrees(latitude.values[i], longitude.values[i], 0.0);
         if normal.is_nan() { f64::NAN } else { normal.angle_between(geometry.body.up(place).unit()).to_degrees() }
     };
