@@ -261,7 +261,11 @@ impl Reader<'_> {
             _ => {
                 let height = f64::from(isd.framelet_height.unwrap_or(0)) / isd.detector_line_summing;
                 let whole = height >= 1.0 && height.fract() == 0.0 && isd.image_lines % height as u32 == 0;
-                if whole { Ok(height as u32) } else { Err(self.value("framelet_height", height, "a divisor of image_lines")) }
+                if whole {
+                    Ok(height as u32)
+                } else {
+                    Err(self.value("framelet_height", height, "a divisor of image_lines"))
+                }
             }
         }
     }
@@ -280,12 +284,11 @@ impl Reader<'_> {
         let (right, forward) = (sign * samples.normalize().extend(0.0), DVec3::Z * sign);
         let down = forward.cross(right);
         let focal_mm = isd.focal_length_model.focal_length.abs();
-        let focal_px =
-            focal_mm * DVec2::new(samples.length() / isd.detector_sample_summing, lines.length() / isd.detector_line_summing);
+        let focal_px = focal_mm
+            * DVec2::new(samples.length() / isd.detector_sample_summing, lines.length() / isd.detector_line_summing);
         let scanner = isd.name_model == "USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL";
         let rows = self.rows()?;
-        let mut row =
-            (isd.detector_center.line + l0 - isd.starting_detector_line) / isd.detector_line_summing;
+        let mut row = (isd.detector_center.line + l0 - isd.starting_detector_line) / isd.detector_line_summing;
         // A scanner's only line looks where line 0 of its detector does.
         row -= if scanner { 0.0 } else { 0.5 };
         let column =
@@ -337,7 +340,8 @@ impl Reader<'_> {
     /// Body-fixed.
     fn position_m(&self, time: f64) -> Result<DVec3, IsdError> {
         let positions = &self.isd.instrument_position;
-        Ok(self.isd.body_rotation.at(time) * (positions.at(time) * self.unit_m("instrument_position.unit", &positions.unit)?))
+        Ok(self.isd.body_rotation.at(time)
+            * (positions.at(time) * self.unit_m("instrument_position.unit", &positions.unit)?))
     }
 
     fn body_from_sensor(&self, time: f64) -> DMat3 {

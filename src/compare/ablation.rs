@@ -117,12 +117,7 @@ pub struct Sun {
 }
 
 /// Turns the Sun, without cast shadows: shading says enough.
-pub fn sun(
-    studio: &mut Studio,
-    main: &Trial,
-    setting: &Setting,
-    progress: &dyn Progress,
-) -> Result<Sun, Error> {
+pub fn sun(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Sun, Error> {
     let [azimuth, elevation] = NEAR_DEG;
     let far = FAR_DEG.map(|turn| [turn, 0.0]);
     let near = [[0.0, 0.0], [-azimuth, 0.0], [azimuth, 0.0], [0.0, -elevation], [0.0, elevation]];
@@ -142,7 +137,8 @@ pub fn sun(
     };
     let best_turn_deg = [vertex(1, 2, azimuth), vertex(3, 4, elevation)];
     let here = tried[0][2];
-    let close = best_turn_deg.iter().zip(NEAR_DEG).all(|(turn, step)| turn.is_some_and(|turn| turn.abs() <= step / 2.0));
+    let close =
+        best_turn_deg.iter().zip(NEAR_DEG).all(|(turn, step)| turn.is_some_and(|turn| turn.abs() <= step / 2.0));
     let agrees = close && tried.iter().all(|[_, _, correlation]| *correlation <= here);
     Ok(Sun { tried, best_turn_deg, agrees })
 }

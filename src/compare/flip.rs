@@ -136,9 +136,7 @@ mod tests {
 
     #[test]
     fn an_edge_that_moves_is_seen_more_than_its_lightness_alone() {
-        let step = |at: usize| {
-            Grid::new(24, 24, (0..576).map(|i| if i % 24 < at { 0.3 } else { 0.7 }).collect())
-        };
+        let step = |at: usize| Grid::new(24, 24, (0..576).map(|i| if i % 24 < at { 0.3 } else { 0.7 }).collect());
         let moved = mean(&step(12), &step(14));
         assert!(moved > 0.02 && moved < mean(&flat(0.3), &flat(0.7)), "{moved}");
     }

@@ -35,11 +35,20 @@ pub enum Model {
 pub enum Response {
     Nothing,
     /// The photograph's numbers per radiance, and at none.
-    Gain { gain: f64, offset: f64 },
+    Gain {
+        gain: f64,
+        offset: f64,
+    },
     /// Radiances and the photograph's numbers there, both rising; straight between, level beyond.
-    Film { knots: Vec<[f64; 2]> },
+    Film {
+        knots: Vec<[f64; 2]>,
+    },
     /// `share`: scattered light over direct light, `k`.
-    Stray { gain: f64, offset: f64, share: f64 },
+    Stray {
+        gain: f64,
+        offset: f64,
+        share: f64,
+    },
 }
 
 impl Model {

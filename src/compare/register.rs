@@ -157,9 +157,7 @@ fn shifted_pairs<'a>(
     let (columns, rows) = (inside(photo.columns, dx), inside(photo.rows, dy));
     rows.flat_map(move |row| {
         let other_row = (row as i64 + dy) as usize;
-        columns.clone().map(move |column| {
-            (photo.at(column, row), render.at((column as i64 + dx) as usize, other_row))
-        })
+        columns.clone().map(move |column| (photo.at(column, row), render.at((column as i64 + dx) as usize, other_row)))
     })
     .filter(|(a, b)| a.is_finite() && b.is_finite())
 }
@@ -287,7 +285,8 @@ impl Fit<'_> {
             let mut unit = [0.0; UNKNOWNS];
             unit[unknown] = 1.0;
             let row = solve(equations.normal, unit).unwrap_or([f64::NAN; UNKNOWNS]);
-            let used = equations.blocks.iter().filter(|block| block.iter().any(|sum| *sum != 0.0)).count().max(2) as f64;
+            let used =
+                equations.blocks.iter().filter(|block| block.iter().any(|sum| *sum != 0.0)).count().max(2) as f64;
             let projected = |block: &[f64; UNKNOWNS]| block.iter().zip(&row).map(|(g, h)| g * h).sum::<f64>();
             equations.blocks.iter().map(|block| projected(block).powi(2)).sum::<f64>() * used / (used - 1.0)
         };

@@ -114,18 +114,14 @@ pub struct Stage<'a> {
 }
 
 impl Studio {
-    pub fn new(
-        stage: &Stage,
-        surface: Surface,
-        shadows: Shadows,
-        albedo: Option<Vec<Vec<Vec<f32>>>>,
-        trial: &Trial,
-        adapter: AdapterChoice,
-    ) -> Result<Self, Error> {
+    /// The scene is seen through the stage's camera.
+    pub fn new(stage: &Stage, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
+        // Traced shadows are the reference renderer's alone.
+        let traced = matches!(scene.shadows, Shadows::Traced(_));
         let gpu = match adapter {
-            AdapterChoice::Cpu => None,
             AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
-            AdapterChoice::Auto => Gpu::open(Adapter::Auto).ok(),
+            AdapterChoice::Auto if !traced => Gpu::open(Adapter::Auto).ok(),
+            AdapterChoice::Auto | AdapterChoice::Cpu => None,
         };
         let view = |(index, pose): (usize, &crate::camera::Pose)| View {
             exposure: index as u64,
@@ -134,17 +130,7 @@ impl Studio {
             lights: stage.lights.to_vec(),
         };
         let views = stage.camera.poses.iter().enumerate().map(view).collect();
-        let scene = Scene {
-            surface,
-            shadows,
-            reflectance: trial.reflectance,
-            albedo,
-            disk: trial.disk.clone(),
-            optics: stage.camera.optics.clone(),
-            detector: None,
-            samples_per_side: stage.samples,
-            quantities: GEOMETRIC.to_vec(),
-        };
+        let scene = Scene { optics: stage.camera.optics.clone(), samples_per_side: stage.samples, ..scene };
         Ok(Self { scene, views, up: stage.up, gpu })
     }
 
@@ -231,7 +217,8 @@ pub struct Planes {
 
 impl Planes {
     pub fn grid(&self, name: &str) -> Grid {
-        let plane: &Plane = self.image.planes.iter().find(|plane| plane.name == name).expect("a plane that was asked for");
+        let plane: &Plane =
+            self.image.planes.iter().find(|plane| plane.name == name).expect("a plane that was asked for");
         Grid::from_f32(self.image.columns, self.image.rows, &plane.values)
     }
 }

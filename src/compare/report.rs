@@ -46,7 +46,8 @@ impl Comparison {
         let sun = self.sun.as_ref()?;
         let turn = |turn: Option<f64>| turn.map_or("nowhere near".to_owned(), |turn| format!("{turn:+.1} deg"));
         let [azimuth, elevation] = sun.best_turn_deg.map(turn);
-        let verdict = if sun.agrees { "The photograph agrees with the Sun" } else { "THE PHOTOGRAPH WANTS ANOTHER SUN" };
+        let verdict =
+            if sun.agrees { "The photograph agrees with the Sun" } else { "THE PHOTOGRAPH WANTS ANOTHER SUN" };
         Some(format!(
             "{verdict}: it is most like a render with the Sun turned by {azimuth} in azimuth and {elevation} in elevation."
         ))
@@ -165,10 +166,9 @@ impl Comparison {
             let title = format!("Shadow and light; overlap of shadows {:.1} %", 100.0 * c.overlap);
             let mut table = Table::new("confusion", &title, &columns);
             let shares = |a: f64, b: f64| [100.0 * a, 100.0 * b].map(Value::from);
-            for (name, [a, b]) in [
-                ("dark", shares(c.both_dark, c.only_photo_dark)),
-                ("lit", shares(c.only_render_dark, c.both_lit)),
-            ] {
+            for (name, [a, b]) in
+                [("dark", shares(c.both_dark, c.only_photo_dark)), ("lit", shares(c.only_render_dark, c.both_lit))]
+            {
                 table.rows.push(vec![name.into(), a, b]);
             }
             tables.push(table);
@@ -257,20 +257,25 @@ impl Comparison {
     }
 
     fn plots(&self) -> Vec<Plot> {
-        let mut plots: Vec<Plot> = self.profiles.iter().enumerate().map(|(i, profile)| {
-            let curve = |name: &str, column: usize| Curve {
-                name: name.into(),
-                points: profile.points.iter().map(|point| [point[0], point[column]]).collect(),
-                joined: true,
-            };
-            let [x, y] = profile.from_px;
-            Plot {
-                title: format!("Profile {} across a shadow, from column {x:.0}, row {y:.0} towards the Sun", i + 1),
-                x: Axis::linear("distance [px]"),
-                y: Axis::linear("brightness [DN]"),
-                curves: vec![curve("photograph", 1), curve("render", 2)],
-            }
-        }).collect();
+        let mut plots: Vec<Plot> = self
+            .profiles
+            .iter()
+            .enumerate()
+            .map(|(i, profile)| {
+                let curve = |name: &str, column: usize| Curve {
+                    name: name.into(),
+                    points: profile.points.iter().map(|point| [point[0], point[column]]).collect(),
+                    joined: true,
+                };
+                let [x, y] = profile.from_px;
+                Plot {
+                    title: format!("Profile {} across a shadow, from column {x:.0}, row {y:.0} towards the Sun", i + 1),
+                    x: Axis::linear("distance [px]"),
+                    y: Axis::linear("brightness [DN]"),
+                    curves: vec![curve("photograph", 1), curve("render", 2)],
+                }
+            })
+            .collect();
         if let Some(displacement) = &self.displacement {
             plots.push(histogram(&displacement.displacements_px));
         }
@@ -302,7 +307,8 @@ impl Comparison {
         dataset::check_writable(directory)?;
         let pictures = figures::pictures(self)?;
         let json = serde_json::to_string_pretty(&self.json()).expect("text and numbers");
-        let mut files = vec![("html".to_owned(), self.html(&pictures).into_bytes()), ("json".into(), json.into_bytes())];
+        let mut files =
+            vec![("html".to_owned(), self.html(&pictures).into_bytes()), ("json".into(), json.into_bytes())];
         files.extend(pictures.into_iter().map(|picture| (format!("{}.png", picture.name), picture.png)));
         let mut paths = Vec::new();
         for (end, bytes) in files {

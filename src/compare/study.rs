@@ -24,13 +24,14 @@ use super::photometric::{Model, Response};
 use super::profile::{self, Bin, Profile};
 use super::register::{Freedom, Registration, register, warped};
 use super::render::{Planes, Stage, Studio, Trial, footprint_terrain, horizons};
-use crate::render::Shadows;
 use super::{Error, Geometry, Grid, provenance};
-use crate::camera::PosedCamera;
+use crate::camera::{Pose, PosedCamera};
+use crate::dataset;
 use crate::geometry::{BodyFixed, Position};
 use crate::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
 use crate::raster::Picture;
+use crate::render::Scene;
 use crate::scenario;
 use crate::terrain::{Ground, Surface};
 
@@ -176,7 +177,10 @@ pub enum AlbedoSource {
     Constant,
     Map(String),
     /// Forced: the map holds the photograph, for this reason.
-    HoldsPhoto { map: String, reason: String },
+    HoldsPhoto {
+        map: String,
+        reason: String,
+    },
 }
 
 /// At what the two were compared.
@@ -197,17 +201,12 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let albedo = check_albedo(request)?;
     let picture = Picture::open(&request.photo, request.band)?;
     let main = main_trial(request)?;
-    let (geometry, mut ground) = geometry(request, &picture, progress)?;
-    let resolution = resolution(request, &picture, &geometry, &ground.surface)?;
+    let Prepared { geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
+    let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
     let camera = geometry.camera.coarser(resolution.render_factor())?;
-    let maps = match albedo_map(request) {
-        Some(path) => Some(ground::albedo(&mut ground.surface, &path, albedo_scale(&main.reflectance))?),
-        None => None,
-    };
-    let shadows = if main.shadows { horizons(&ground.surface, &request.cache, progress)? } else { Shadows::None };
-    let sky = Sky::of(&geometry, &camera, &ground.surface).ok_or_else(|| no_ground(request, &geometry))?;
-    let light = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
-    let mut studio = Studio::new(&light, ground.surface, shadows, maps, &main, request.adapter)?;
+    let sky = Sky::of(&geometry, &camera, &scene.surface).ok_or_else(|| no_ground(request, &geometry))?;
+    let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
+    let mut studio = Studio::new(&stage, scene, request.adapter)?;
 
     progress.begin("rendering", 1, "image");
     let planes = studio.whole(&main)?;
@@ -257,7 +256,7 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         photo_name: ground::file_name(&request.photo),
         geometry: geometry.source,
         adapter: studio.adapter(),
-        dems: ground.inputs.iter().map(|input| format!("{} (SHA-256 {})", input.name, input.sha256)).collect(),
+        dems: inputs.iter().map(|input| format!("{} (SHA-256 {})", input.name, input.sha256)).collect(),
         law: main.name,
         model,
         albedo,
@@ -297,17 +296,6 @@ fn albedo_map(request: &Request) -> Option<PathBuf> {
         GeometrySource::File(_) => None,
     };
     request.albedo.clone().or(own)
-}
-
-/// A map holds normal albedos; it multiplies Hapke's law as it is.
-fn albedo_scale(reflectance: &Reflectance) -> f64 {
-    match *reflectance {
-        Reflectance::Lambert { normal_albedo }
-        | Reflectance::LommelSeeliger { normal_albedo }
-        | Reflectance::LunarLambert { normal_albedo }
-        | Reflectance::Minnaert { normal_albedo, .. } => 1.0 / normal_albedo,
-        Reflectance::Hapke(_) => 1.0,
-    }
 }
 
 /// Samples along a side of a rendered pixel: a scenario's own, else about three along a compared one.
@@ -350,26 +338,97 @@ fn check_albedo(request: &Request) -> Result<AlbedoSource, Error> {
     }
 }
 
-fn geometry(
-    request: &Request,
-    picture: &Picture,
-    progress: &dyn Progress,
-) -> Result<(Geometry, ground::Ground), Error> {
+/// Camera and ground, before anything is rendered.
+struct Prepared {
+    geometry: Geometry,
+    scene: Scene,
+    inputs: Vec<dataset::Input>,
+}
+
+fn prepared(request: &Request, main: &Trial, picture: &Picture, progress: &dyn Progress) -> Result<Prepared, Error> {
     match &request.geometry {
-        GeometrySource::File(path) => {
-            if request.dems.is_empty() {
-                return Err(Error::NoDem { path: path.clone() });
-            }
-            let geometry = Geometry::read(path, &request.photo, [picture.columns, picture.rows])?;
-            let terrain =
-                footprint_terrain(&geometry, &request.dems).ok_or_else(|| no_ground(request, &geometry))?;
-            let ground = ground::surface(Some(&terrain), &geometry.body, &request.cache, progress)?;
-            Ok((geometry, ground))
-        }
+        GeometrySource::File(path) => of_file(request, path, main, picture, progress),
         GeometrySource::Scenario { scenario, exposure } => {
-            Geometry::of_exposure(scenario, *exposure, &request.dems, picture, &request.cache, progress)
+            of_exposure(request, scenario.as_ref().clone(), *exposure, picture, progress)
         }
     }
+}
+
+fn of_file(
+    request: &Request,
+    path: &Path,
+    main: &Trial,
+    picture: &Picture,
+    progress: &dyn Progress,
+) -> Result<Prepared, Error> {
+    if request.dems.is_empty() {
+        return Err(Error::NoDem { path: path.into() });
+    }
+    let geometry = Geometry::read(path, &request.photo, [picture.columns, picture.rows])?;
+    let terrain = footprint_terrain(&geometry, &request.dems).ok_or_else(|| no_ground(request, &geometry))?;
+    let mut ground = ground::surface(Some(&terrain), &geometry.body, &request.cache, progress)?;
+    // A map holds normal albedos; it multiplies Hapke's law as it is.
+    let scale = if matches!(main.reflectance, Reflectance::Hapke(_)) { 1.0 } else { 1.0 / NORMAL_ALBEDO };
+    let map = |path| ground::albedo(&mut ground.surface, path, scale);
+    let albedo = request.albedo.as_deref().map(map).transpose()?;
+    let scene = Scene {
+        shadows: horizons(&ground.surface, &request.cache, progress)?,
+        surface: ground.surface,
+        reflectance: main.reflectance,
+        albedo,
+        disk: main.disk.clone(),
+        optics: geometry.camera.optics.clone(),
+        detector: None,
+        samples_per_side: 1,
+        quantities: Vec::new(),
+    };
+    Ok(Prepared { geometry, scene, inputs: ground.inputs })
+}
+
+/// An exposure of a scenario, over its own elevation models or those given.
+fn of_exposure(
+    request: &Request,
+    mut scenario: scenario::Scenario,
+    exposure: usize,
+    picture: &Picture,
+    progress: &dyn Progress,
+) -> Result<Prepared, Error> {
+    let path = scenario.path.clone();
+    let size = [scenario.camera.columns as usize, scenario.camera.rows as usize];
+    if [picture.columns, picture.rows] != size {
+        let (photo, allowed) = (picture.path.clone(), vec![format!("{} x {}", size[0], size[1])]);
+        return Err(Error::Size { photo, columns: picture.columns, rows: picture.rows, allowed });
+    }
+    if exposure >= scenario.exposures.len() {
+        return Err(Error::NoSuchImage { image: exposure, path, count: scenario.exposures.len() });
+    }
+    if !request.dems.is_empty() {
+        let file = |path: &PathBuf| scenario::Dem::File {
+            path: path.clone(),
+            values: scenario::Values::Auto,
+            posting_m: None,
+            extent_m: None,
+        };
+        let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
+        scenario.terrain = Some(scenario::Terrain { centre, dems: request.dems.iter().map(file).collect() });
+    }
+    if scenario.terrain.is_none() {
+        return Err(Error::NoDem { path });
+    }
+    if let Some(map) = &request.albedo {
+        scenario.albedo = scenario::Albedo::Map(map.clone());
+    }
+    let mut prepared = pipeline::prepare(&scenario, &request.cache, progress)?;
+    let scene = pipeline::scene(&scenario, &mut prepared, &request.cache, progress)?;
+    let view = &prepared.exposures[exposure].view;
+    let pose = Pose { position: view.camera_position, camera_from_body: view.camera_from_body };
+    let geometry = Geometry {
+        body: prepared.frame.body.clone(),
+        camera: PosedCamera { optics: scene.optics.clone(), poses: vec![pose] },
+        lights: view.lights.clone(),
+        source: format!("scenario {}, exposure {exposure}", scenario.name),
+    };
+    Ok(Prepared { geometry, scene: Scene { detector: None, ..scene }, inputs: prepared.ground.inputs })
 }
 
 fn no_ground(request: &Request, geometry: &Geometry) -> Error {
@@ -453,50 +512,4 @@ fn slope(planes: &Planes, geometry: &Geometry) -> Grid {
         if normal.is_nan() { f64::NAN } else { normal.angle_between(geometry.body.up(place).unit()).to_degrees() }
     };
     Grid::new(x.columns, x.rows, (0..x.values.len()).map(value).collect())
-}
-
-impl Geometry {
-    /// Of an exposure of a scenario, over its own elevation models or those given.
-    fn of_exposure(
-        scenario: &scenario::Scenario,
-        exposure: usize,
-        dems: &[PathBuf],
-        picture: &Picture,
-        cache: &Path,
-        progress: &dyn Progress,
-    ) -> Result<(Self, ground::Ground), Error> {
-        let mut scenario = scenario.clone();
-        let path = scenario.path.clone();
-        let (columns, rows) = (scenario.camera.columns as usize, scenario.camera.rows as usize);
-        if [picture.columns, picture.rows] != [columns, rows] {
-            let allowed = vec![format!("{columns} x {rows}")];
-            return Err(Error::Size { photo: picture.path.clone(), columns: picture.columns, rows: picture.rows, allowed });
-        }
-        if exposure >= scenario.exposures.len() {
-            return Err(Error::NoSuchImage { image: exposure, path, count: scenario.exposures.len() });
-        }
-        if !dems.is_empty() {
-            let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
-            let file = |path: &PathBuf| scenario::Dem::File {
-                path: path.clone(),
-                values: scenario::Values::Auto,
-                posting_m: None,
-                extent_m: None,
-            };
-            scenario.terrain = Some(scenario::Terrain { centre, dems: dems.iter().map(file).collect() });
-        }
-        if scenario.terrain.is_none() {
-            return Err(Error::NoDem { path });
-        }
-        let prepared = pipeline::prepare(&scenario, cache, progress)?;
-        let view = &prepared.exposures[exposure].view;
-        let pose = crate::camera::Pose { position: view.camera_position, camera_from_body: view.camera_from_body };
-        let geometry = Self {
-            body: prepared.frame.body.clone(),
-            camera: PosedCamera { optics: pipeline::scene::optics(&scenario)?, poses: vec![pose] },
-            lights: view.lights.clone(),
-            source: format!("scenario {}, exposure {exposure}", scenario.name),
-        };
-        Ok((geometry, prepared.ground))
-    }
 }

@@ -215,7 +215,11 @@ pub(super) fn open_dataset(path: &Path) -> Result<Dataset, Error> {
     })
 }
 
-pub(super) fn choose_band<'a>(path: &Path, dataset: &'a Dataset, wanted: Option<usize>) -> Result<RasterBand<'a>, Error> {
+pub(super) fn choose_band<'a>(
+    path: &Path,
+    dataset: &'a Dataset,
+    wanted: Option<usize>,
+) -> Result<RasterBand<'a>, Error> {
     let bands = dataset.raster_count();
     let band = match (bands, wanted) {
         (0, _) => return Err(Error::NoBand { path: path.into() }),

@@ -4,7 +4,7 @@ mod bad_input;
 mod ephemeris;
 mod horizon;
 mod inspect;
-mod run;
+pub mod run;
 mod run_input;
 mod scenario;
 mod terrain;

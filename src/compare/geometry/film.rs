@@ -82,7 +82,8 @@ impl Frame {
     fn check(&self, path: &Path) -> Result<(), Error> {
         let value = |key: &str, got: String, allowed| Error::Value { path: path.into(), key: key.into(), got, allowed };
         let axes = self.axes();
-        let off = (axes * axes.transpose() - DMat3::IDENTITY).to_cols_array().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let off =
+            (axes * axes.transpose() - DMat3::IDENTITY).to_cols_array().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         if !(off < 1e-6 && axes.determinant() > 0.0) {
             return Err(value("cam_to_moon_me", format!("{:?}", self.cam_to_moon_me), "a rotation, within 1e-6"));
         }
