@@ -36,6 +36,7 @@ use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Scenario};
+use crate::shadow::Baked;
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -153,16 +154,18 @@ pub fn scene(
         observer_height_m: scenario.horizon.observer_height_m,
         band: None,
     };
+    let maps = |settings: horizon::Settings| {
+        let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
+        let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
+        let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
+        let silent = |_: &ground::Tile| Ok::<_, Error>(());
+        ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)
+    };
     let shadows = match scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
-        scenario::Shadows::Fourier => {
-            let scenario::spec::Encoding::Fm16 = scenario.horizon.encoding;
-            let (folder, encoding) = (cache.join("horizon"), horizon::Encoding::Fm16);
-            let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
-            let silent = |_: &ground::Tile| Ok::<_, Error>(());
-            Shadows::Fourier(ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)?)
-        }
+        scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
+        scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
     };
     Ok(Scene {
         surface: ground.surface.clone(),
@@ -187,7 +190,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
     if let Some(gpu) = &gpu {
-        let horizons = scenario.shadows == scenario::Shadows::Fourier;
+        let horizons = scenario.shadows.need_maps();
         DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
     }
     seconds.terrain = lap(start);

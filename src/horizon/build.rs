@@ -16,13 +16,11 @@ use super::checkpoint::Checkpoint;
 use super::error::{Error, TileErrors};
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
-use super::pack::{Encoding, HorizonMap};
-use super::settings::Settings;
-use super::store::{self, Header, Key};
+use super::pack::HorizonMap;
+use super::request::Request;
+use super::store::{self, Header};
 use super::sweep::Sweep;
 use super::sweep::grid::Major;
-use crate::geometry::Body;
-use crate::terrain::Face;
 
 /// How much work a kill may cost.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(20);
@@ -32,65 +30,28 @@ pub const MEASURED_PIXELS: usize = 64;
 /// Told how many of how many azimuths are done.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
-/// The horizon map of a level from its tile in `directory`, made first where there is no such tile, or a damaged one.
-pub fn open_or_build(
-    body: &Body,
-    face: &Face,
-    level: usize,
-    settings: &Settings,
-    encoding: Encoding,
-    directory: &Path,
-    progress: &Progress,
-) -> Result<HorizonMap, Error> {
-    check(face, level, settings, encoding)?;
-    match store::read_of(directory, &Key::of(body, face, level, settings, encoding)) {
+/// The horizon map asked for from its tile in `directory`, made first where there is no such tile, or a damaged one.
+pub fn open_or_build(request: &Request, directory: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
+    request.check()?;
+    match store::read_of(directory, &request.key()) {
         Ok(map) => Ok(map),
-        Err(_) => build(body, face, level, settings, encoding, directory, progress),
+        Err(_) => build(request, directory, progress),
     }
 }
 
-/// Makes the horizon map of a level and stores its tile in `directory`.
-pub fn build(
-    body: &Body,
-    face: &Face,
-    level: usize,
-    settings: &Settings,
-    encoding: Encoding,
-    directory: &Path,
-    progress: &Progress,
-) -> Result<HorizonMap, Error> {
-    let mut builder = Builder::new(body, face, level, settings, encoding, directory)?;
+/// Makes the horizon map asked for and stores its tile in `directory`.
+pub fn build(request: &Request, directory: &Path, progress: &Progress) -> Result<HorizonMap, Error> {
+    let mut builder = Builder::new(request, directory)?;
     let mut saved = Instant::now();
-    while builder.done() < settings.azimuths {
+    while builder.done() < request.settings.azimuths {
         builder.step();
-        progress(builder.done(), settings.azimuths);
+        progress(builder.done(), request.settings.azimuths);
         if saved.elapsed() > CHECKPOINT_EVERY {
             builder.save()?;
             saved = Instant::now();
         }
     }
-    builder.finish(body)
-}
-
-fn check(face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Result<(), Error> {
-    let nodes = face.levels.get(level).ok_or(Error::NoLevel { got: level, levels: face.levels.len() })?;
-    let seen = |nodes: usize, margin: usize| nodes.saturating_sub(2 * margin);
-    let (columns, rows) = (seen(nodes.columns, nodes.margin), seen(nodes.rows, nodes.margin));
-    if columns < 2 || rows < 2 {
-        return Err(Error::TooSmall { level, columns, rows });
-    }
-    // Fewer samples than twice the highest harmonic do not determine it.
-    let least = 2 * encoding.harmonics() + 1;
-    if settings.azimuths < least {
-        return Err(Error::TooFewAzimuths { got: settings.azimuths, harmonics: encoding.harmonics(), least });
-    }
-    if !(0.0..=1e6).contains(&settings.observer_height_m) {
-        return Err(Error::ObserverHeight { got: settings.observer_height_m });
-    }
-    match settings.search_m {
-        Some(got) if got.is_nan() || got <= 0.0 => Err(Error::SearchDistance { got }),
-        _ => Ok(()),
-    }
+    builder.finish()
 }
 
 /// What a build has reached.
@@ -106,10 +67,7 @@ pub struct State {
 /// A build under way.
 #[derive(Debug)]
 pub struct Builder<'a> {
-    face: &'a Face,
-    level: usize,
-    settings: Settings,
-    encoding: Encoding,
+    request: Request<'a>,
     path: PathBuf,
     checkpoint: Checkpoint,
     /// Azimuths along the rows' axis, then along the columns'.
@@ -120,31 +78,25 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// A build of a level's tile, where a checkpoint of it left off if there is one.
-    pub fn new(
-        body: &Body,
-        face: &'a Face,
-        level: usize,
-        settings: &Settings,
-        encoding: Encoding,
-        directory: &Path,
-    ) -> Result<Self, Error> {
-        check(face, level, settings, encoding)?;
+    /// A build of a tile, where a checkpoint of it left off if there is one.
+    pub fn new(request: &Request<'a>, directory: &Path) -> Result<Self, Error> {
+        request.check()?;
         fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
-        let key = Key::of(body, face, level, settings, encoding);
+        let key = request.key();
         let path = store::path_for(directory, &key);
         let checkpoint = Checkpoint::new(path.with_extension("partial"), key);
 
+        let settings = &request.settings;
         let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
         let along_rows = along(Major::Row).count();
         let order = along(Major::Row).chain(along(Major::Column)).collect();
 
-        let nodes = &face.levels[level];
+        let nodes = request.nodes();
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
-        let sums = Accumulator::new(encoding, columns, rows, settings.azimuths);
+        let sums = Accumulator::new(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state, along_rows);
-        Ok(Self { face, level, settings: *settings, encoding, path, checkpoint, order, along_rows, state, sweep: None })
+        Ok(Self { request: *request, path, checkpoint, order, along_rows, state, sweep: None })
     }
 
     /// Azimuths done.
@@ -163,10 +115,10 @@ impl<'a> Builder<'a> {
             self.sweep = None;
             self.state.sums.transpose();
         }
-        let (face, level, settings) = (self.face, self.level, &self.settings);
+        let Request { face, level, settings, .. } = &self.request;
         if self.sweep.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
-            let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[level], major));
-            self.sweep = Some((major, Sweep::new(face, level, major, settings), ends));
+            let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[*level], major));
+            self.sweep = Some((major, Sweep::new(face, *level, major, settings), ends));
         }
         let Some((_, sweep, ends)) = &self.sweep else { return };
         let plane = |&azimuth: &usize| {
@@ -187,16 +139,17 @@ impl<'a> Builder<'a> {
     }
 
     /// Stores the finished tile.
-    fn finish(mut self, body: &Body) -> Result<HorizonMap, Error> {
+    fn finish(mut self) -> Result<HorizonMap, Error> {
         self.sweep = None;
         let sums = &mut self.state.sums;
         sums.transpose();
         let (columns, rows) = (sums.columns(), sums.rows());
         let errors = TileErrors::default();
         let levels = sums.texels();
-        let mut map = HorizonMap { encoding: self.encoding, columns, rows, levels, errors };
-        map.errors = measure(self.face, self.level, &self.settings, &self.state.sample, &map);
-        let header = Header::new(body, self.face, self.level, &self.settings, &map);
+        let Request { face, level, settings, encoding, .. } = &self.request;
+        let mut map = HorizonMap { encoding: *encoding, columns, rows, levels, errors };
+        map.errors = measure(face, *level, settings, &self.state.sample, &map);
+        let header = Header::new(&self.request, &map);
         store::write(&self.path, &header, &map)?;
         self.checkpoint.remove();
         Ok(map)

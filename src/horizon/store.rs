@@ -28,8 +28,8 @@ use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::georeference;
 use super::pack::{Encoding, HorizonMap, Texels};
+use super::request::Request;
 use super::settings::Settings;
-use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
@@ -43,8 +43,9 @@ const FORMAT: &str = "perilune horizon tile";
 pub struct Key(String);
 
 impl Key {
-    /// The key of the horizons of `face.levels[level]`; finer levels have no share in them.
-    pub fn of(body: &Body, face: &Face, level: usize, settings: &Settings, encoding: Encoding) -> Self {
+    /// The key of the horizons asked for.
+    pub fn of(request: &Request) -> Self {
+        let Request { body, face, level, settings, encoding } = *request;
         let mut hash = Sha256::new();
         hash.update(FORMAT_VERSION.to_le_bytes());
         hash.update(&body.name);
@@ -146,7 +147,8 @@ pub struct InputHeader {
 }
 
 impl Header {
-    pub fn new(body: &Body, face: &Face, level: usize, settings: &Settings, map: &HorizonMap) -> Self {
+    pub fn new(request: &Request, map: &HorizonMap) -> Self {
+        let Request { body, face, level, settings, .. } = *request;
         let input = |level: &Level| InputHeader {
             columns: level.columns,
             rows: level.rows,
@@ -158,7 +160,7 @@ impl Header {
             format: FORMAT.into(),
             format_version: FORMAT_VERSION,
             generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
-            key: Key::of(body, face, level, settings, map.encoding),
+            key: request.key(),
             encoding: map.encoding,
             series: "h(A) = sum over k of Re X_k cos kA - Im X_k sin kA, in radians; page l holds k = 4l ... 4l+3".into(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
@@ -172,7 +174,7 @@ impl Header {
             columns: map.columns,
             rows: map.rows,
             scales: map.encoding.scales(),
-            settings: *settings,
+            settings,
             map: MapHeader::new(face, level),
             inputs: face.levels[level..].iter().map(input).collect(),
             errors: map.errors,

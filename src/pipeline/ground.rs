@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
-use crate::horizon::store::{self, Key};
+use crate::horizon::store;
 use crate::horizon::{self, Encoding, HorizonMap};
 use crate::raster::{self, Dem};
 use crate::scenario;
@@ -215,9 +215,9 @@ pub fn horizons<E: From<Error>>(
                 progress.at(done, total);
             };
             let body = &surface.terrain.body;
-            let map =
-                horizon::open_or_build(body, face, level, settings, encoding, folder, &heard).map_err(Error::from)?;
-            let path = store::path_for(folder, &Key::of(body, face, level, settings, encoding));
+            let request = horizon::Request { body, face, level, settings: *settings, encoding };
+            let map = horizon::open_or_build(&request, folder, &heard).map_err(Error::from)?;
+            let path = store::path_for(folder, &request.key());
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
             finished(&Tile { face: index, level, path, map: &map, built_s })?;
             levels.push(map);

@@ -7,7 +7,7 @@ use crate::dataset::{
     RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
-use crate::render::{Image, Quantity, Scene, Shadows};
+use crate::render::{Image, Quantity, Scene};
 use crate::scenario::{Albedo, Preview, Scenario};
 
 /// What the whole sequence is made from.
@@ -45,11 +45,7 @@ pub fn white(scenario: &Scenario) -> White {
 }
 
 fn horizon_maps(scene: &Scene) -> impl Iterator<Item = &crate::horizon::HorizonMap> {
-    let maps = match &scene.shadows {
-        Shadows::Fourier(maps) => maps.as_slice(),
-        Shadows::None | Shadows::Traced(_) => &[],
-    };
-    maps.iter().flatten()
+    scene.shadows.maps().unwrap_or_default().iter().flatten()
 }
 
 fn software(adapter: &str) -> SoftwareRecord {

@@ -67,6 +67,20 @@ pub struct LightParameters {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct BakeParameters {
+    pub direction: [f32; 4],
+    pub south_west_m: [f32; 2],
+    pub posting_m: f32,
+    pub radius_m: f32,
+    pub offset: u32,
+    pub columns: u32,
+    pub rows: u32,
+    pub horizon_halving: u32,
+    pub horizon: [u32; 4],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct PixelOut {
     pub radiance: f32,
     pub irradiance: f32,
@@ -170,6 +184,25 @@ impl MapLevel {
     pub fn about(&self, camera: DVec2) -> Self {
         let cell = camera.floor();
         Self { base: cell.as_ivec2().to_array(), camera: (camera - cell).as_vec2().to_array(), ..*self }
+    }
+}
+
+impl BakeParameters {
+    /// A level of a map with its series in the texels, and where its field begins.
+    pub fn new(map: &Gnomonic, level: &MapLevel, light: Position<BodyFixed>, offset: u32) -> Self {
+        let vector_m = map.map_vector(light);
+        let distance_m = vector_m.length();
+        Self {
+            direction: with_w(vector_m / distance_m, 1.0 / distance_m),
+            south_west_m: level.south_west_m,
+            posting_m: level.posting_m,
+            radius_m: map.radius_m as f32,
+            offset,
+            columns: level.columns,
+            rows: level.rows,
+            horizon_halving: level.horizon_halving,
+            horizon: level.horizon,
+        }
     }
 }
 

@@ -50,4 +50,6 @@ pub enum RenderError {
     BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
     #[error("traced shadows need the reference renderer; use --adapter cpu")]
     TracedOnGpu,
+    #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
+    TooManyLights { got: usize, allowed: usize },
 }

@@ -8,6 +8,7 @@
 //! `reference` is the twin; `tests/conformance` holds the two together.
 
 mod rays;
+mod skylines;
 mod upload;
 
 use std::time::Duration;
@@ -15,9 +16,11 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
+pub use skylines::SHADER as BAKE_SHADER;
 pub use upload::DeviceGround;
 
 use rays::Band;
+use skylines::DeviceSkylines;
 use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
@@ -30,7 +33,8 @@ use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
-pub const SHADER: &str = concat!(include_str!("passes.wgsl"), include_str!("../terrain/surface.wgsl"));
+pub const SHADER: &str =
+    concat!(include_str!("passes.wgsl"), include_str!("texels.wgsl"), include_str!("../terrain/surface.wgsl"));
 
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
@@ -50,6 +54,7 @@ struct Prepared {
     reflectance: Buffer,
     disk_tables: Buffer,
     ground: DeviceGround,
+    skylines: Option<DeviceSkylines>,
     bands: Vec<Band>,
 }
 
@@ -81,7 +86,7 @@ impl Renderer for Passes<'_> {
         if self.prepared.is_none() {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
-        let prepared = self.prepared.as_ref().expect("prepared above");
+        let prepared = self.prepared.as_mut().expect("prepared above");
         let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, view)?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
@@ -109,7 +114,15 @@ impl Prepared {
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
+        let skylines = match scene.shadows.towards() {
+            Some(_) => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
+            None => None,
+        };
         constants.extend(ground.constants);
+        // Fields take one page, whatever the horizon maps that they come from take.
+        constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
+        let source = if skylines.is_some() { 2 } else { u8::from(scene.shadows.maps().is_some()) };
+        constants.push(("SKYLINES", f64::from(source)));
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, SERIES_WGSL].concat();
         let mut points = offsets;
         if extra {
@@ -120,25 +133,37 @@ impl Prepared {
             reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
+            skylines,
             bands: Band::all(gpu, scene, &points),
         })
     }
 
-    fn dispatch(&self, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Dispatched, RenderError> {
+    fn dispatch(&mut self, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Dispatched, RenderError> {
+        let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &view.held_lights()));
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
-        let levels: Vec<MapLevel> = self.ground.levels.iter().map(|level| level.centred(scene, view)).collect();
+        let placed = |(index, level): (usize, &PackedLevel)| {
+            let centred = level.centred(scene, view);
+            self.skylines.as_ref().map_or(centred, |skylines| skylines.placed(centred, index))
+        };
+        let levels: Vec<MapLevel> = self.ground.levels.iter().enumerate().map(placed).collect();
+        let texels = &self.ground.texels;
+        let first = self.skylines.as_ref().and_then(DeviceSkylines::buffer).unwrap_or(&texels[0]);
         let lights = lights(scene, view);
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), Some(0.0));
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         for band in &self.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
             let buffers = [
+                first,
+                &texels[1],
+                &texels[2],
+                &texels[3],
                 &parameters,
                 &faces,
                 &levels,
@@ -152,10 +177,6 @@ impl Prepared {
                 &band.rays,
                 &pixels_out,
                 &centres_out,
-                &self.ground.texels[0],
-                &self.ground.texels[1],
-                &self.ground.texels[2],
-                &self.ground.texels[3],
                 &self.ground.gradients[1],
             ];
             let groups = band.pixels.div_ceil(GROUP);

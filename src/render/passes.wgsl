@@ -42,26 +42,21 @@ struct Centre {
     padding_2: f32,
 }
 
-@group(0) @binding(0) var<storage, read> view: ViewParameters;
-@group(0) @binding(1) var<storage, read> map_faces: array<MapFace>;
-@group(0) @binding(2) var<storage, read> map_levels: array<MapLevel>;
-@group(0) @binding(3) var<storage, read> lights: array<LightParameters>;
-@group(0) @binding(4) var<storage, read> reflectance: ReflectanceParameters;
-@group(0) @binding(5) var<storage, read> disk_tables: array<f32>;
-@group(0) @binding(6) var<storage, read> heights_m: array<f32>;
+@group(0) @binding(4) var<storage, read> view: ViewParameters;
+@group(0) @binding(5) var<storage, read> map_faces: array<MapFace>;
+@group(0) @binding(6) var<storage, read> map_levels: array<MapLevel>;
+@group(0) @binding(7) var<storage, read> lights: array<LightParameters>;
+@group(0) @binding(8) var<storage, read> reflectance: ReflectanceParameters;
+@group(0) @binding(9) var<storage, read> disk_tables: array<f32>;
+@group(0) @binding(10) var<storage, read> heights_m: array<f32>;
 // Two pages of 2^GRADIENT_PAGE_BITS nodes.
-@group(0) @binding(7) var<storage, read> gradients: array<vec2f>;
+@group(0) @binding(11) var<storage, read> gradients: array<vec2f>;
 @group(0) @binding(17) var<storage, read> more_gradients: array<vec2f>;
-@group(0) @binding(8) var<storage, read> maxima_m: array<f32>;
-@group(0) @binding(9) var<storage, read> albedos: array<f32>;
-@group(0) @binding(10) var<storage, read> rays: array<vec2f>;
-@group(0) @binding(11) var<storage, read_write> pixels_out: array<Pixel>;
-@group(0) @binding(12) var<storage, read_write> centres_out: array<Centre>;
-// Horizon maps may be larger than one binding: pages of 2^PAGE_BITS texels.
-@group(0) @binding(13) var<storage, read> horizon_page_0: array<vec4u>;
-@group(0) @binding(14) var<storage, read> horizon_page_1: array<vec4u>;
-@group(0) @binding(15) var<storage, read> horizon_page_2: array<vec4u>;
-@group(0) @binding(16) var<storage, read> horizon_page_3: array<vec4u>;
+@group(0) @binding(12) var<storage, read> maxima_m: array<f32>;
+@group(0) @binding(13) var<storage, read> albedos: array<f32>;
+@group(0) @binding(14) var<storage, read> rays: array<vec2f>;
+@group(0) @binding(15) var<storage, read_write> pixels_out: array<Pixel>;
+@group(0) @binding(16) var<storage, read_write> centres_out: array<Centre>;
 
 // Rays of each pixel, how many of them (the first ones) are samples, and which one goes through the
 // centre (RAYS where none is wanted).
@@ -70,10 +65,9 @@ override SAMPLES: u32;
 override CENTRE: u32;
 override FACES: u32;
 override LIGHTS: u32;
-override HORIZONS: bool;
+// Where skylines come from: nowhere, series, or fields of nodes.
+override SKYLINES: u32;
 override ALBEDO_MAP: bool;
-override PAGES: u32;
-override PAGE_BITS: u32;
 override GRADIENT_PAGE_BITS: u32;
 override MORE_GRADIENTS: bool;
 
@@ -82,21 +76,6 @@ fn gradient(node: u32) -> vec2f {
         return more_gradients[node - (1u << GRADIENT_PAGE_BITS)];
     }
     return gradients[node];
-}
-
-fn horizon_texel(index: u32) -> vec4u {
-    let within = index & ((1u << PAGE_BITS) - 1u);
-    let page = index >> PAGE_BITS;
-    if PAGES == 1u || page == 0u {
-        return horizon_page_0[within];
-    }
-    if PAGES == 2u || page == 1u {
-        return horizon_page_1[within];
-    }
-    if PAGES == 3u || page == 2u {
-        return horizon_page_2[within];
-    }
-    return horizon_page_3[within];
 }
 
 // A place on the ground with all that lighting needs, in the axes of `frame` (a map, or FACES: the body).
@@ -192,9 +171,28 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     return facet;
 }
 
+// Two skylines are in a texel: elevation and slope by map azimuth of an even node, then of the next one.
+fn node_skyline(offset: u32, node: u32) -> vec2f {
+    let texel = horizon_texel(offset + (node >> 1u));
+    return bitcast<vec2f>(select(texel.xy, texel.zw, (node & 1u) == 1u));
+}
+
+// Elevation and slope, bilinear between the nodes of a field.
+fn field_skyline(level: MapLevel, light: u32, grid: vec2f) -> vec2f {
+    let far = vec2f(f32(level.columns - 1u), f32(level.rows - 1u));
+    let at = clamp(grid, vec2f(0.0), far);
+    let low = min(vec2u(at), vec2u(far) - 1u);
+    let share = at - vec2f(low);
+    let offset = level.horizon[light];
+    let node = low.y * level.columns + low.x;
+    let south = mix(node_skyline(offset, node), node_skyline(offset, node + 1u), share.x);
+    let north = mix(node_skyline(offset, node + level.columns), node_skyline(offset, node + level.columns + 1u), share.x);
+    return mix(south, north, share.y);
+}
+
 // The skyline at a facet as a line in the disc's plane: height at its centre and slope, in disc radii.
-fn skyline(facet: Facet, s: vec3f, radius_rad: f32) -> vec2f {
-    if !HORIZONS || facet.frame == FACES {
+fn skyline(facet: Facet, light: u32, s: vec3f, radius_rad: f32) -> vec2f {
+    if SKYLINES == 0u || facet.frame == FACES {
         return vec2f(-1.0e3, 0.0);
     }
     let level = map_levels[facet.level];
@@ -204,8 +202,13 @@ fn skyline(facet: Facet, s: vec3f, radius_rad: f32) -> vec2f {
         return vec2f(-1.0e3, 0.0);
     }
     let towards = direction / sqrt(length_2);
-    let grid = HorizonGrid(level.columns, level.rows, level.horizon_halving, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
-    let horizon = horizon_elevation(grid, facet.grid, towards);
+    var horizon: vec2f;
+    if SKYLINES == 1u {
+        let grid = HorizonGrid(level.columns, level.rows, level.horizon_halving, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+        horizon = horizon_elevation(grid, facet.grid, towards);
+    } else {
+        horizon = field_skyline(level, light, facet.grid);
+    }
     // A gnomonic map stretches distances from its centre by 1/cos^2 c along and 1/cos c across.
     let stretch = 1.0 + dot(facet.at_m, facet.at_m) / (facet.radius_m * facet.radius_m);
     let along = dot(facet.at_m, towards) / facet.radius_m;
@@ -230,7 +233,7 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
         let e_y = rise * inverseSqrt(max(dot(rise, rise), 1.0e-20));
         let e_x = cross(e_y, s);
         let plane = vec3f(dot(facet.normal, s) / light.radius_rad, dot(facet.normal, e_x), dot(facet.normal, e_y));
-        let line = skyline(facet, s, light.radius_rad);
+        let line = skyline(facet, index, s, light.radius_rad);
         let seen = disk_light(line.x, line.y, plane);
         let irradiance = light.irradiance_w_m2 * irradiance_factor(seen, plane, light.radius_rad);
         if irradiance > 0.0 {

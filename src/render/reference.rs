@@ -18,7 +18,7 @@ use super::planes::{Radiometry, Samples, normal};
 use super::{Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{Disc, FourierMaps, Shadow, Site, Traced};
+use crate::shadow::{Disc, Fetched, FourierMaps, Shadow, Site, Skylines, Traced};
 use crate::terrain::{Ground, Hit};
 
 /// Renders on the CPU, in f64, on all cores.
@@ -31,7 +31,7 @@ impl Renderer for Reference {
     }
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
-        let shadow = shadow(scene);
+        let shadow = shadow(scene, view);
         let offsets = scene.sample_offsets();
         let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
@@ -48,12 +48,16 @@ impl Renderer for Reference {
     }
 }
 
-fn shadow(scene: &Scene) -> Option<Box<dyn Shadow + '_>> {
+fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
     let surface = &scene.surface;
+    if let Some(method) = scene.shadows.towards() {
+        let skylines = Skylines::default().towards(surface, method, &view.held_lights());
+        return Some(Box::new(Fetched { surface, skylines }));
+    }
     match &scene.shadows {
-        Shadows::None => None,
         Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
+        Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
     }
 }
 
@@ -99,7 +103,7 @@ fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> 
     let albedo = albedo(scene, hit);
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
-        let lit = illuminate(scene, shadow, hit, normal, light);
+        let lit = illuminate(scene, shadow, hit, normal, (index, light));
         let Some((to_camera, to_light)) = to_camera.zip(hit.position.direction_to(light.position)) else { continue };
         if lit.irradiance > 0.0 {
             let mu0 = (lit.irradiance / (light.irradiance_w_m2 * lit.fraction)).min(1.0);
@@ -136,7 +140,7 @@ fn illuminate(
     shadow: Option<&dyn Shadow>,
     hit: &Hit,
     normal: Direction<BodyFixed>,
-    light: &Light,
+    (index, light): (usize, &Light),
 ) -> Lit {
     let Some(towards) = hit.position.direction_to(light.position) else {
         return Lit { irradiance: 0.0, fraction: 0.0 };
@@ -147,7 +151,7 @@ fn illuminate(
             let map = &scene.surface.terrain.faces[face].map;
             let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
             let facet = axes.facet(map.map_from_body * normal, radius_rad);
-            let disc = Disc { disk: &scene.disk, axes, angular_radius_rad: radius_rad, facet };
+            let disc = Disc { light: index, disk: &scene.disk, axes, angular_radius_rad: radius_rad, facet };
             let site = Site { map, face, level, lifted };
             let seen = shadow.map_or_else(|| scene.disk.light(HorizonLine::NONE, facet), |s| s.light(&site, &disc));
             (seen, facet)

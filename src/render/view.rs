@@ -4,6 +4,7 @@ use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Reflectance, SolarDisk};
+use crate::shadow::{Baked, HeldLight, Towards};
 use crate::terrain::Surface;
 
 use super::Quantity;
@@ -31,10 +32,44 @@ pub struct Scene {
 pub enum Shadows {
     /// Only a facet's own plane shades it.
     None,
-    /// Horizon maps by face and level.
+    /// Horizon maps by face and level, evaluated at every sample.
     Fourier(Vec<Vec<HorizonMap>>),
+    /// Horizon maps evaluated once per node while the lights stand still.
+    Baked(Baked),
+    /// Skylines of all nodes towards each light, found by the method while the lights stand still.
+    Towards(Box<dyn Towards>),
     /// The believed horizon at every sample: slow, and only for the reference renderer.
     Traced(crate::horizon::Settings),
+}
+
+impl Shadows {
+    /// What the method is called in reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Fourier(_) => "fourier",
+            Self::Baked(_) => "baked",
+            Self::Towards(method) => method.name(),
+            Self::Traced(_) => "traced",
+        }
+    }
+
+    /// The horizon maps that the shadows come from.
+    pub fn maps(&self) -> Option<&[Vec<HorizonMap>]> {
+        match self {
+            Self::Fourier(maps) | Self::Baked(Baked(maps)) => Some(maps),
+            Self::None | Self::Towards(_) | Self::Traced(_) => None,
+        }
+    }
+
+    /// The method that finds skylines while the lights stand still.
+    pub fn towards(&self) -> Option<&dyn Towards> {
+        match self {
+            Self::Baked(baked) => Some(baked),
+            Self::Towards(method) => Some(method.as_ref()),
+            Self::None | Self::Fourier(_) | Self::Traced(_) => None,
+        }
+    }
 }
 
 /// What changes from exposure to exposure.
@@ -56,6 +91,13 @@ pub struct Light {
     pub angular_radius_rad: f64,
     /// Irradiance of a plane that faces it, in the camera's band.
     pub irradiance_w_m2: f64,
+}
+
+impl View {
+    /// The lights as methods that find skylines in advance see them.
+    pub fn held_lights(&self) -> Vec<HeldLight> {
+        self.lights.iter().map(|light| HeldLight::new(light.position)).collect()
+    }
 }
 
 impl Scene {

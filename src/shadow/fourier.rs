@@ -8,9 +8,10 @@
 
 use glam::DVec2;
 
+use super::skylines::line;
 use super::{Disc, Shadow, Site};
 use crate::horizon::HorizonMap;
-use crate::photometry::{DiskLight, HorizonLine};
+use crate::photometry::DiskLight;
 use crate::terrain::Surface;
 
 /// Horizon maps by face and level.
@@ -27,9 +28,6 @@ impl Shadow for FourierMaps<'_> {
         let series = self.maps[site.face][site.level].horizon(level.grid_from_map(at_m) - level.margin as f64);
         let towards = site.map.map_direction(at_m, disc.axes.sun);
         let (elevation_rad, slope) = series.evaluate_towards(towards.normalize_or(DVec2::Y));
-        let sun_elevation_rad = site.map.up(at_m).unit().dot(disc.axes.sun.unit()).clamp(-1.0, 1.0).asin();
-        let slope = slope * site.map.azimuth_ratio(at_m, towards);
-        let line = HorizonLine::new(elevation_rad, slope, sun_elevation_rad, disc.angular_radius_rad);
-        disc.disk.light(line, disc.facet)
+        line(site, disc, elevation_rad, slope)
     }
 }

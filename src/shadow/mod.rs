@@ -3,10 +3,14 @@
 //! A method knows the skyline across the disc; the disc integral ([`crate::photometry::SolarDisk`]) does the
 //! rest.
 
+mod baked;
 mod fourier;
+pub mod skylines;
 mod traced;
 
+pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use skylines::{Fetched, HeldLight, Skylines, Towards};
 pub use traced::Traced;
 
 use std::fmt::Debug;
@@ -29,6 +33,8 @@ pub struct Site<'a> {
 /// A luminous disc as a facet sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Disc<'a> {
+    /// Which of a view's lights it is.
+    pub light: usize,
     pub disk: &'a SolarDisk,
     pub axes: SunAxes<Map>,
     pub angular_radius_rad: f64,

@@ -4,8 +4,10 @@ use std::mem::offset_of;
 
 use perilune::horizon::SERIES_WGSL;
 use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
-use perilune::render::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
-use perilune::render::passes::SHADER;
+use perilune::render::layout::{
+    BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters,
+};
+use perilune::render::passes::{BAKE_SHADER, SHADER};
 
 /// Name and offset of every member of a WGSL struct, and its size.
 fn layout(source: &str, name: &str) -> (Vec<(String, usize)>, usize) {
@@ -64,6 +66,13 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
     for (name, host) in hosts {
         assert_eq!(layout(&source, name), host, "{name}");
     }
+}
+
+#[test]
+fn the_parameters_of_baking_lie_as_the_shader_reads_them() {
+    let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_halving
+        horizon);
+    assert_eq!(layout(&[BAKE_SHADER, SERIES_WGSL].concat(), "BakeParameters"), host);
 }
 
 #[test]

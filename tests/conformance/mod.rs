@@ -8,6 +8,7 @@ mod layout;
 mod photometry;
 mod render;
 pub mod scenarios;
+mod skylines;
 
 use std::sync::OnceLock;
 

@@ -109,7 +109,7 @@ fn view(body: &Body, from: Geodetic, at: Geodetic, sun_elevation_deg: f64) -> Vi
     }
 }
 
-fn scenes() -> Vec<(&'static str, Scene, View)> {
+pub fn scenes() -> Vec<(&'static str, Scene, View)> {
     let moon = Body::moon();
     let at = |lat, lon, h| Geodetic::from_degrees(lat, lon, h);
     let bare = || Terrain { body: Body::moon(), faces: vec![] };

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use perilune::camera::Camera as Optics;
 use perilune::geometry::{Body, BodyFixed, Geodetic, Position, Rotation};
-use perilune::horizon::{self, Encoding, Settings};
+use perilune::horizon::{self, Encoding, Request, Settings};
 use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
@@ -92,7 +92,8 @@ pub fn fourier(terrain: &Terrain) -> Shadows {
     let directory = tempfile::tempdir().unwrap();
     let settings = Settings { azimuths: 120, ..Settings::default() };
     let of_level = |face: &Face, level: usize| {
-        horizon::build(&terrain.body, face, level, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
+        let request = Request { body: &terrain.body, face, level, settings, encoding: Encoding::Fm16 };
+        horizon::build(&request, directory.path(), &|_, _| ()).unwrap()
     };
     let of_face = |face: &Face| (0..face.levels.len()).map(|level| of_level(face, level)).collect();
     Shadows::Fourier(terrain.faces.iter().map(of_face).collect())
@@ -154,12 +155,7 @@ pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
 
 /// How shadows and renderer are called together.
 pub fn name(scene: &Scene, renderer: &str) -> String {
-    let shadows = match &scene.shadows {
-        Shadows::None => "none",
-        Shadows::Fourier(_) => "fourier",
-        Shadows::Traced(_) => "traced",
-    };
-    format!("{renderer}, {shadows} shadows")
+    format!("{renderer}, {} shadows", scene.shadows.name())
 }
 
 /// Map point and Sun fraction of each pixel's centre, for one sample a pixel on ground with heights.

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use perilune::ephemeris::{Almanac, default_kernel_folder};
 use perilune::geometry::{Body, Geodetic};
 use perilune::horizon::store::Header;
-use perilune::horizon::{Encoding, Key};
+use perilune::horizon::{Encoding, Request};
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground};
 use perilune::scenario::{self, Dem};
@@ -108,7 +108,9 @@ pub fn find(ground: &Ground, tile: &Path, header: &Header) -> Result<(usize, usi
     let all =
         faces.iter().enumerate().flat_map(|(face, nodes)| (0..nodes.levels.len()).map(move |level| (face, level)));
     let made_it = |&(face, level): &(usize, usize)| {
-        Key::of(&ground.surface.terrain.body, &faces[face], level, &header.settings, header.encoding) == header.key
+        let Header { settings, encoding, .. } = *header;
+        Request { body: &ground.surface.terrain.body, face: &faces[face], level, settings, encoding }.key()
+            == header.key
     };
     all.into_iter().find(made_it).ok_or_else(|| {
         let [columns, rows] = [header.columns, header.rows];

@@ -30,8 +30,9 @@ pub struct DeviceGround {
     pub maxima: Buffer,
     pub albedos: Buffer,
     pub texels: [Buffer; TEXEL_PAGES],
-    /// `override` values that go with the buffers.
-    pub constants: [(&'static str, f64); 5],
+    /// `override` values that go with the texels, and with the gradients.
+    pub pages: [(&'static str, f64); 2],
+    pub constants: [(&'static str, f64); 2],
 }
 
 /// A level as the shader knows it, and where it comes from.
@@ -44,11 +45,10 @@ pub struct PackedLevel {
 
 impl DeviceGround {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
-        let horizons = match &scene.shadows {
-            Shadows::None => None,
-            Shadows::Fourier(maps) => Some(maps),
-            Shadows::Traced(_) => return Err(RenderError::TracedOnGpu),
-        };
+        if let Shadows::Traced(_) = scene.shadows {
+            return Err(RenderError::TracedOnGpu);
+        }
+        let horizons = scene.shadows.maps();
         let mut store = Store::default();
         for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
             for level in 0..levels.levels.len() {
@@ -65,10 +65,11 @@ impl DeviceGround {
             maxima: gpu.storage("maxima", checked(gpu, "maxima", &store.maxima_m, 1)?),
             albedos: gpu.storage("albedos", checked(gpu, "albedos", &store.albedos, 1)?),
             texels: pages(gpu, "horizon maps", &store.texels)?,
-            constants: [
-                ("HORIZONS", f64::from(u8::from(horizons.is_some()))),
+            pages: [
                 ("PAGES", store.texels.len().div_ceil(1 << texel_bits).max(1) as f64),
                 ("PAGE_BITS", f64::from(texel_bits)),
+            ],
+            constants: [
                 ("GRADIENT_PAGE_BITS", f64::from(gradient_bits)),
                 ("MORE_GRADIENTS", f64::from(u8::from(more_gradients))),
             ],
@@ -165,7 +166,7 @@ fn page_bits<T>(gpu: &Gpu) -> u32 {
     (gpu.device.limits().max_storage_buffer_binding_size / size_of::<T>() as u64).ilog2().min(31)
 }
 
-fn fits<T>(gpu: &Gpu, what: &'static str, elements: usize, pages: usize) -> Result<(), RenderError> {
+pub fn fits<T>(gpu: &Gpu, what: &'static str, elements: usize, pages: usize) -> Result<(), RenderError> {
     let allowed = pages << page_bits::<T>(gpu);
     let mib = |elements: usize| (elements as u64 * size_of::<T>() as u64) >> 20;
     if elements <= allowed {

@@ -170,13 +170,23 @@ pub enum Encoding {
 /// How shadows are cast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub enum Shadows {
-    /// From Fourier-compressed horizon maps.
+    /// From Fourier-compressed horizon maps, evaluated at every sample.
     #[default]
     Fourier,
+    /// From the same maps, evaluated once per node while the Sun stands still: faster where images have more samples
+    /// than the terrain has nodes, or the Sun stays.
+    Baked,
     /// From the exact horizon of each point, without compression. Slow; the one to compare with.
     Traced,
     /// No cast shadows; the ground still turns away from the Sun.
     Off,
+}
+
+impl Shadows {
+    /// Whether horizon maps are made.
+    pub fn need_maps(self) -> bool {
+        matches!(self, Self::Fourier | Self::Baked)
+    }
 }
 
 /// How the ground reflects light.

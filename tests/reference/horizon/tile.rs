@@ -1,16 +1,17 @@
 //! Horizon tiles: built, stored, read back, resumed, refused.
 
 use std::fs;
-use std::sync::Mutex;
+use std::sync::{LazyLock, Mutex};
 
 use glam::DVec3;
 use perilune::evaluate::verify;
 use perilune::geometry::{Body, Direction};
 use perilune::horizon::build::Builder;
 use perilune::horizon::inspect::Place;
-use perilune::horizon::store::{self, Key};
+use perilune::horizon::store;
 use perilune::horizon::trace::Tracer;
-use perilune::horizon::{Band, Encoding, Error, Settings, build, open_or_build};
+use perilune::horizon::{Band, Encoding, Error, Request, Settings, build, open_or_build};
+use perilune::terrain::Face;
 
 use super::scene::cratered;
 
@@ -18,13 +19,22 @@ fn settings() -> Settings {
     Settings { azimuths: 40, ..Settings::default() }
 }
 
+fn moon() -> &'static Body {
+    static MOON: LazyLock<Body> = LazyLock::new(Body::moon);
+    &MOON
+}
+
+fn request(face: &Face) -> Request<'_> {
+    Request { body: moon(), face, level: 0, settings: settings(), encoding: Encoding::Fm16 }
+}
+
 #[test]
 fn a_tile_read_back_is_the_tile_that_was_built() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(101, 20.0, 1);
     for encoding in [Encoding::Fm16, Encoding::F16] {
-        let built = build(&Body::moon(), &face, 0, &settings(), encoding, directory.path(), &|_, _| ()).unwrap();
-        let key = Key::of(&Body::moon(), &face, 0, &settings(), encoding);
+        let built = build(&Request { encoding, ..request(&face) }, directory.path(), &|_, _| ()).unwrap();
+        let key = Request { encoding, ..request(&face) }.key();
         let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
         assert!(read == built);
         assert_eq!(header.key, key);
@@ -51,10 +61,10 @@ fn a_tile_with_a_band_errs_less_within_it_and_its_errors_can_be_verified() {
     let face = cratered(101, 20.0, 1);
     let settings = Settings { band: Some(band(0.03)), ..settings() };
     let build_with = |settings: &Settings| {
-        build(&Body::moon(), &face, 0, settings, Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
+        build(&Request { settings: *settings, ..request(&face) }, directory.path(), &|_, _| ()).unwrap()
     };
     let (clamped, whole) = (build_with(&settings), build_with(&Settings { band: None, ..settings }));
-    let key = Key::of(&Body::moon(), &face, 0, &settings, Encoding::Fm16);
+    let key = Request { settings, ..request(&face) }.key();
     let (header, read) = store::read(&store::path_for(directory.path(), &key)).unwrap();
     assert_eq!(header.settings, settings);
     let found = verify(&face, 0, &header, &read, 64, 1);
@@ -71,22 +81,20 @@ fn a_second_run_reuses_the_tile_and_a_changed_height_does_not() {
     let mut face = cratered(65, 20.0, 1);
     let calls = Mutex::new(0);
     let count = |_: usize, _: usize| *calls.lock().unwrap() += 1;
-    let first = open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    let first = open_or_build(&request(&face), directory.path(), &count).unwrap();
     let after_first = *calls.lock().unwrap();
-    assert!(
-        open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap() == first
-    );
+    assert!(open_or_build(&request(&face), directory.path(), &count).unwrap() == first);
     assert_eq!(*calls.lock().unwrap(), after_first);
     face.levels[0].heights_m[7] += 1.0;
-    open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &count).unwrap();
+    open_or_build(&request(&face), directory.path(), &count).unwrap();
     assert!(*calls.lock().unwrap() > after_first);
 }
 
 #[test]
 fn everything_that_shapes_a_tile_changes_its_key() {
     let face = cratered(33, 20.0, 1);
-    let base = Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16);
-    let mut keys = vec![base, Key::of(&Body::moon(), &face, 0, &settings(), Encoding::F16)];
+    let base = request(&face).key();
+    let mut keys = vec![base, Request { encoding: Encoding::F16, ..request(&face) }.key()];
     for settings in [
         Settings { azimuths: 41, ..settings() },
         Settings { observer_height_m: 2.0, ..settings() },
@@ -94,19 +102,19 @@ fn everything_that_shapes_a_tile_changes_its_key() {
         Settings { band: Some(band(0.03)), ..settings() },
         Settings { band: Some(band(0.04)), ..settings() },
     ] {
-        keys.push(Key::of(&Body::moon(), &face, 0, &settings, Encoding::Fm16));
+        keys.push(Request { settings, ..request(&face) }.key());
     }
     let change = |edit: &dyn Fn(&mut perilune::terrain::Face)| {
         let mut face = face.clone();
         edit(&mut face);
-        Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16)
+        request(&face).key()
     };
     keys.push(change(&|face| face.levels[0].heights_m[0] += 0.01));
     keys.push(change(&|face| face.levels[0].gap[3] = true));
     keys.push(change(&|face| face.levels[0].margin = 1));
     keys.push(change(&|face| face.levels[0].posting_m = 21.0));
     keys.push(change(&|face| face.map.radius_m += 1.0));
-    keys.push(Key::of(&Body { name: "other".into(), ..Body::moon() }, &face, 0, &settings(), Encoding::Fm16));
+    keys.push(Request { body: &Body { name: "other".into(), ..Body::moon() }, ..request(&face) }.key());
     let count = keys.len();
     keys.sort_by(|a, b| a.as_str().cmp(b.as_str()));
     keys.dedup();
@@ -119,10 +127,8 @@ fn threads_do_not_change_a_byte() {
     let bytes = |threads: usize| {
         let directory = tempfile::tempdir().unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()))
-            .unwrap();
-        fs::read(store::path_for(directory.path(), &Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16)))
-            .unwrap()
+        pool.install(|| build(&request(&face), directory.path(), &|_, _| ())).unwrap();
+        fs::read(store::path_for(directory.path(), &request(&face).key())).unwrap()
     };
     assert!(bytes(1) == bytes(3));
 }
@@ -131,20 +137,17 @@ fn threads_do_not_change_a_byte() {
 fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(65, 20.0, 1);
-    let key = Key::of(&Body::moon(), &face, 0, &settings(), Encoding::Fm16);
-    let built = build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap();
+    let key = request(&face).key();
+    let built = build(&request(&face), directory.path(), &|_, _| ()).unwrap();
     let path = store::path_for(directory.path(), &key);
     let whole = fs::read(&path).unwrap();
 
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     let message = store::read_of(directory.path(), &key).unwrap_err().to_string();
     assert!(message.contains("truncated") && message.contains("horizon_"), "{message}");
-    assert!(
-        open_or_build(&Body::moon(), &face, 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()).unwrap()
-            == built
-    );
+    assert!(open_or_build(&request(&face), directory.path(), &|_, _| ()).unwrap() == built);
 
-    let other = Key::of(&Body::moon(), &face, 0, &Settings { azimuths: 48, ..settings() }, Encoding::Fm16);
+    let other = Request { settings: Settings { azimuths: 48, ..settings() }, ..request(&face) }.key();
     fs::write(store::path_for(directory.path(), &other), &whole).unwrap();
     assert!(matches!(store::read_of(directory.path(), &other), Err(Error::OtherKey { .. })));
 
@@ -158,18 +161,14 @@ fn a_tile_that_cannot_be_written_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("file");
     fs::write(&file, b"").unwrap();
-    let error =
-        build(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, &file.join("tiles"), &|_, _| ())
-            .unwrap_err();
+    let error = build(&request(&cratered(33, 20.0, 1)), &file.join("tiles"), &|_, _| ()).unwrap_err();
     assert!(error.to_string().contains("file/tiles"), "{error}");
     // A full disk.
     if std::path::Path::new("/dev/full").exists() {
-        let key = Key::of(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16);
+        let key = request(&cratered(33, 20.0, 1)).key();
         let path = store::path_for(directory.path(), &key);
         std::os::unix::fs::symlink("/dev/full", path.with_extension("tif.writing")).unwrap();
-        let error =
-            build(&Body::moon(), &cratered(33, 20.0, 1), 0, &settings(), Encoding::Fm16, directory.path(), &|_, _| ())
-                .unwrap_err();
+        let error = build(&request(&cratered(33, 20.0, 1)), directory.path(), &|_, _| ()).unwrap_err();
         assert!(matches!(error, Error::Write { .. }), "{error}");
     }
 }
@@ -184,13 +183,10 @@ fn settings_out_of_range_are_refused() {
         Settings { observer_height_m: f64::NAN, ..settings() },
         Settings { search_m: Some(0.0), ..settings() },
     ] {
-        assert!(
-            build(&Body::moon(), &face, 0, &settings, Encoding::Fm16, directory.path(), &|_, _| ()).is_err(),
-            "{settings:?}"
-        );
+        assert!(build(&Request { settings, ..request(&face) }, directory.path(), &|_, _| ()).is_err(), "{settings:?}");
     }
     assert!(matches!(
-        build(&Body::moon(), &face, 1, &settings(), Encoding::Fm16, directory.path(), &|_, _| ()),
+        build(&Request { level: 1, ..request(&face) }, directory.path(), &|_, _| ()),
         Err(Error::NoLevel { .. })
     ));
 }
@@ -200,13 +196,10 @@ fn settings_out_of_range_are_refused() {
 fn an_interrupted_build_goes_on_to_the_same_bytes() {
     let face = cratered(65, 20.0, 6);
     let (whole, broken) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let body = Body::moon();
-    let path = |directory: &std::path::Path| {
-        store::path_for(directory, &Key::of(&body, &face, 0, &settings(), Encoding::Fm16))
-    };
-    build(&body, &face, 0, &settings(), Encoding::Fm16, whole.path(), &|_, _| ()).unwrap();
+    let path = |directory: &std::path::Path| store::path_for(directory, &request(&face).key());
+    build(&request(&face), whole.path(), &|_, _| ()).unwrap();
     for stop_after in [5, 21, 33] {
-        let mut builder = Builder::new(&body, &face, 0, &settings(), Encoding::Fm16, broken.path()).unwrap();
+        let mut builder = Builder::new(&request(&face), broken.path()).unwrap();
         while builder.done() < stop_after {
             builder.step();
         }
@@ -216,7 +209,7 @@ fn an_interrupted_build_goes_on_to_the_same_bytes() {
         let note = |done: usize, _: usize| {
             first.lock().unwrap().get_or_insert(done);
         };
-        build(&body, &face, 0, &settings(), Encoding::Fm16, broken.path(), &note).unwrap();
+        build(&request(&face), broken.path(), &note).unwrap();
         assert!(first.lock().unwrap().unwrap() > stop_after, "it went on and did not start afresh");
         assert!(fs::read(path(whole.path())).unwrap() == fs::read(path(broken.path())).unwrap());
         assert_eq!(fs::read_dir(broken.path()).unwrap().count(), 1, "the checkpoint is gone");
@@ -229,8 +222,8 @@ fn an_interrupted_build_goes_on_to_the_same_bytes() {
 fn a_place_is_found_by_latitude_and_longitude() {
     let directory = tempfile::tempdir().unwrap();
     let (body, face) = (Body::moon(), cratered(129, 20.0, 1));
-    build(&body, &face, 0, &settings(), Encoding::F16, directory.path(), &|_, _| ()).unwrap();
-    let path = store::path_for(directory.path(), &Key::of(&body, &face, 0, &settings(), Encoding::F16));
+    build(&Request { encoding: Encoding::F16, ..request(&face) }, directory.path(), &|_, _| ()).unwrap();
+    let path = store::path_for(directory.path(), &Request { encoding: Encoding::F16, ..request(&face) }.key());
     let (header, map) = store::read(&path).unwrap();
     assert!(Place::on(&header, -80.0, 0.0).is_none());
     // 600 m from the pole towards 90° east, which the map about longitude 0 has on its right.

@@ -1,0 +1,118 @@
+//! Shadows that horizons decide, against those that traced horizons decide.
+
+use super::profiles::Profiles;
+use crate::evaluate::plot::{Axis, Curve, Plot};
+use crate::evaluate::scenes::Scene;
+use crate::evaluate::statistics::Errors;
+use crate::evaluate::{Error, Table, Value};
+use crate::photometry::{LimbDarkening, SolarDisk};
+use crate::quantity::SOLAR_RADIUS_M;
+
+const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
+const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
+
+/// The table that [`rows`] fills.
+pub fn table() -> Table {
+    Table::new(
+        "shadows",
+        "Shadows by the same horizons against traced ones",
+        &[
+            ("scene", ""),
+            ("horizons", ""),
+            ("Sun elevation", "deg"),
+            ("pixel error rate", "%"),
+            ("penumbra mean", "share of the disc"),
+            ("penumbra RMS", "share of the disc"),
+            ("all RMS", "share of the disc"),
+        ],
+    )
+}
+
+/// Shadows of the horizons that go by the name of `label`, a row an elevation of the Sun.
+pub fn rows(scene: &Scene, label: &str, truth: &Profiles, tried: &Profiles) -> Result<Vec<Vec<Value>>, Error> {
+    let row = |elevation_deg: f64| {
+        let found = shadows(truth, tried, elevation_deg.to_radians())?;
+        let mut row = vec![scene.name.as_str().into(), label.into(), elevation_deg.into()];
+        row.extend([100.0 * found.wrong, found.penumbra.mean, found.penumbra.rms, found.all.rms].map(Value::from));
+        Ok(row)
+    };
+    SUN_ELEVATIONS_DEG.into_iter().map(row).collect()
+}
+
+/// The pixel error rate over the Sun's elevation, a plot a scene.
+pub fn plots(table: &Table) -> Vec<Plot> {
+    let text = |row: &[Value], column: usize| row[column].text();
+    let number = |row: &[Value], column: usize| match row[column] {
+        Value::Number(number) => number,
+        _ => f64::NAN,
+    };
+    let mut plots: Vec<Plot> = Vec::new();
+    for row in &table.rows {
+        let title = text(row, 0);
+        if plots.last().is_none_or(|plot| plot.title != title) {
+            plots.push(Plot {
+                title,
+                x: Axis::linear("elevation of the Sun [deg]"),
+                y: Axis::logarithmic("pixel error rate [%]"),
+                curves: Vec::new(),
+            });
+        }
+        let curves = &mut plots.last_mut().expect("pushed above").curves;
+        let name = text(row, 1);
+        if curves.last().is_none_or(|curve| curve.name != name) {
+            curves.push(Curve { name, points: Vec::new(), joined: true });
+        }
+        curves.last_mut().expect("pushed above").points.push([number(row, 2), number(row, 3)]);
+    }
+    plots
+}
+
+/// Shadows of profiles against those of the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShadowErrors {
+    /// Share of samples that are lit in one and dark in the other.
+    pub wrong: f64,
+    /// Of the visible share of the disc, where either sees a part of it.
+    pub penumbra: Errors,
+    pub all: Errors,
+}
+
+/// A Sun at 1 au and at the same elevation in every azimuth.
+pub fn shadows(truth: &Profiles, tried: &Profiles, sun_rad: f64) -> Result<ShadowErrors, Error> {
+    let disk = SolarDisk::new(LimbDarkening::Uniform)?;
+    let radius_rad = (SOLAR_RADIUS_M / ASTRONOMICAL_UNIT_M).asin();
+    let pairs: Vec<[f64; 2]> =
+        truth.iter().flatten().zip(tried.iter().flatten()).map(|(truth, tried)| [*truth, *tried]).collect();
+    let wrong = pairs.iter().filter(|pair| (pair[0] < sun_rad) != (pair[1] < sun_rad)).count();
+    let seen = |horizon_rad: f64| disk.visible_above((horizon_rad - sun_rad) / radius_rad);
+    let shares: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.map(seen)).collect();
+    let error = |[truth, tried]: &[f64; 2]| tried - truth;
+    let partial = |pair: &&[f64; 2]| pair.iter().any(|share| *share > 0.0 && *share < 1.0);
+    Ok(ShadowErrors {
+        wrong: wrong as f64 / pairs.len().max(1) as f64,
+        penumbra: Errors::of(shares.iter().filter(partial).map(error)),
+        all: Errors::of(shares.iter().map(error)),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::profiles::errors;
+    use super::*;
+
+    #[test]
+    fn equal_horizons_err_nowhere_and_raised_ones_by_what_they_are_raised() {
+        let truth: Profiles = (0..10).map(|p| (0..100).map(|a| 0.001 * f64::from(p * 7 + a)).collect()).collect();
+        let same = shadows(&truth, &truth, 0.05).unwrap();
+        assert_eq!((same.wrong, same.all.max), (0.0, 0.0));
+        let raised: Profiles = truth.iter().map(|profile| profile.iter().map(|h| h + 0.0105).collect()).collect();
+        let found = errors(&truth, &raised);
+        assert!((found.mean - 0.0105).abs() < 1e-12 && (found.max - 0.0105).abs() < 1e-12);
+        // Horizons step by 0.001: those within 0.0105 below the Sun, ten or eleven of each profile's 100, go dark.
+        let wrong = shadows(&truth, &raised, 0.0805).unwrap();
+        assert!((wrong.wrong - 0.105).abs() < 0.006, "{wrong:?}");
+        // Each profile loses the light of 10.5 of its 100 samples.
+        assert!((wrong.all.mean + 0.105).abs() < 1e-3, "{wrong:?}");
+        assert!(wrong.penumbra.mean < -0.3, "{wrong:?}");
+    }
+}

@@ -1,0 +1,120 @@
+//! Fields of skylines on the device: baked there from horizon maps, or found on the host and sent.
+
+use wgpu::{Buffer, ComputePipeline};
+
+use super::upload::{DeviceGround, fits};
+use crate::gpu::Gpu;
+use crate::horizon::SERIES_WGSL;
+use crate::render::layout::{BakeParameters, MapLevel};
+use crate::render::{RenderError, Scene, Shadows};
+use crate::shadow::{HeldLight, Skylines};
+
+/// The baking pass, as one text.
+pub const SHADER: &str = concat!(include_str!("../bake.wgsl"), include_str!("../texels.wgsl"));
+
+/// Skylines in a texel.
+const PER_TEXEL: usize = 2;
+/// Invocations of one workgroup, as in the shader.
+const GROUP: usize = 64;
+/// Lights with fields of their own, as offsets in a level.
+const LIGHTS: usize = 4;
+
+/// The fields of a scene, and the lights that they hold for.
+#[derive(Debug)]
+pub struct DeviceSkylines {
+    /// `None`: found on the host.
+    bake: Option<ComputePipeline>,
+    /// Where a light's field of each level begins, in texels.
+    starts: Vec<usize>,
+    texels: usize,
+    host: Skylines,
+    made: Option<(Vec<HeldLight>, Buffer)>,
+}
+
+impl DeviceSkylines {
+    pub fn new(gpu: &Gpu, scene: &Scene, ground: &DeviceGround, lights: usize) -> Result<Self, RenderError> {
+        if lights > LIGHTS {
+            return Err(RenderError::TooManyLights { got: lights, allowed: LIGHTS });
+        }
+        let mut texels = 0;
+        let mut starts = Vec::new();
+        for level in &ground.levels {
+            starts.push(texels);
+            texels += (level.shader.columns as usize * level.shader.rows as usize).div_ceil(PER_TEXEL);
+        }
+        fits::<[u32; 4]>(gpu, "skylines", lights * texels, 1)?;
+        let shader = [SHADER, SERIES_WGSL].concat();
+        let bake = match scene.shadows {
+            Shadows::Baked(_) => Some(gpu.compute("bake", &shader, "main", &ground.pages)?),
+            _ => None,
+        };
+        Ok(Self { bake, starts, texels, host: Skylines::default(), made: None })
+    }
+
+    /// The fields towards these lights and what making them took on the device.
+    pub fn towards(&mut self, gpu: &Gpu, scene: &Scene, ground: &DeviceGround, lights: &[HeldLight]) -> Option<f64> {
+        if self.made.as_ref().is_some_and(|(held, _)| held == lights) {
+            return Some(0.0);
+        }
+        let (seconds, buffer) = match &self.bake {
+            Some(pipeline) => self.bake(gpu, pipeline, scene, ground, lights),
+            None => (Some(0.0), self.send(gpu, scene, lights)),
+        };
+        self.made = Some((lights.to_vec(), buffer));
+        seconds
+    }
+
+    pub fn buffer(&self) -> Option<&Buffer> {
+        self.made.as_ref().map(|(_, buffer)| buffer)
+    }
+
+    /// A level whose horizons are the fields of each light.
+    pub fn placed(&self, level: MapLevel, index: usize) -> MapLevel {
+        let offset = |light: usize| (light * self.texels + self.starts[index]) as u32;
+        MapLevel { horizon: std::array::from_fn(offset), has_horizon: 1, ..level }
+    }
+
+    fn bake(
+        &self,
+        gpu: &Gpu,
+        pipeline: &ComputePipeline,
+        scene: &Scene,
+        ground: &DeviceGround,
+        lights: &[HeldLight],
+    ) -> (Option<f64>, Buffer) {
+        let fields = gpu.output("skylines", (lights.len() * self.texels * size_of::<[u32; 4]>()) as u64);
+        let mut seconds = Some(0.0);
+        for (light, held) in lights.iter().enumerate() {
+            for (start, level) in self.starts.iter().zip(&ground.levels) {
+                let map = &scene.surface.terrain.faces[level.face].map;
+                let offset = (light * self.texels + start) as u32;
+                let parameters = BakeParameters::new(map, &level.shader, held.position, offset);
+                let parameters = gpu.storage("bake", &[parameters]);
+                let [a, b, c, d] = &ground.texels;
+                let nodes = level.shader.columns as usize * level.shader.rows as usize;
+                let groups = nodes.div_ceil(PER_TEXEL * GROUP);
+                let across = groups.min(1 << 15);
+                let groups = [across as u32, groups.div_ceil(across) as u32, 1];
+                let spent = gpu.run(pipeline, &[a, b, c, d, &parameters, &fields], groups);
+                seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
+            }
+        }
+        (seconds, fields)
+    }
+
+    fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[HeldLight]) -> Buffer {
+        let method = scene.shadows.towards().expect("fields have a method");
+        self.host = self.host.towards(&scene.surface, method, lights);
+        let mut values = vec![[0.0; 2]; PER_TEXEL * lights.len() * self.texels];
+        for light in 0..lights.len() {
+            let mut starts = self.starts.iter().map(|start| PER_TEXEL * (light * self.texels + start));
+            for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
+                for (level, start) in (0..levels.levels.len()).zip(&mut starts) {
+                    let field = self.host.field(light, face, level);
+                    values[start..start + field.len()].copy_from_slice(field);
+                }
+            }
+        }
+        gpu.storage("skylines", &values)
+    }
+}

@@ -1,0 +1,83 @@
+//! Skylines found in advance: the pass against the reference, and both against series evaluated at every sample.
+
+use perilune::horizon::{Encoding, HorizonMap, Settings};
+use perilune::pipeline::{self, Silent, ground};
+use perilune::render::passes::Passes;
+use perilune::render::reference::Reference;
+use perilune::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune::shadow::Baked;
+
+use super::render::{compare, scenes};
+
+fn maps(scene: &Scene, encoding: Encoding) -> Vec<Vec<HorizonMap>> {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = Settings { azimuths: 48, ..Settings::default() };
+    let finished = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
+    ground::horizons(&scene.surface, &settings, encoding, folder.path(), &Silent, finished).unwrap()
+}
+
+/// The nested terrain seen obliquely, the Sun at 3°, with its horizon maps.
+fn nested(encoding: Encoding) -> (Scene, View, Vec<Vec<HorizonMap>>) {
+    let (_, scene, view) = scenes().swap_remove(0);
+    let maps = maps(&scene, encoding);
+    (scene, view, maps)
+}
+
+/// Largest and mean difference of the Sun's share.
+fn differences(a: &Samples, b: &Samples) -> (f32, f32) {
+    let pairs = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (a.sun_fraction - b.sun_fraction).abs());
+    let sizes: Vec<f32> = pairs.filter(|size| size.is_finite()).collect();
+    (sizes.iter().copied().fold(0.0, f32::max), sizes.iter().sum::<f32>() / sizes.len() as f32)
+}
+
+#[test]
+fn skylines_baked_on_the_device_light_what_the_reference_lights() {
+    let Some(gpu) = super::gpu() else { return };
+    let (mut scene, view, maps) = nested(Encoding::Fm16);
+    scene.shadows = Shadows::Baked(Baked(maps));
+    let reference = Reference.samples(&scene, &view).unwrap();
+    let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
+    let agreement = compare(&scene, &reference, &pass);
+    assert!(agreement.radiance >= 0.999, "{agreement:?}");
+    // The same fields found on the host and sent.
+    let Shadows::Baked(baked) = scene.shadows else { unreachable!() };
+    scene.shadows = Shadows::Towards(Box::new(baked));
+    let sent = Passes::new(gpu).samples(&scene, &view).unwrap();
+    assert!(compare(&scene, &reference, &sent).radiance >= 0.999);
+}
+
+#[test]
+fn baking_changes_no_share_of_the_sun_that_matters() {
+    // Largest and mean change allowed. Across a cell of 160 m the Sun's azimuth turns by 5e-6 rad, and it is held still
+    // to 7e-6 rad; slopes of the skyline by azimuth reach 1: 1.2e-5 rad are 0.26 % of the Sun's radius, 0.17 % of its
+    // disc. Coefficients at reduced resolution are smoothed again: there the mean says that little changes.
+    for (encoding, allowed) in [(Encoding::F16, (2e-3, 1e-4)), (Encoding::Fm16, (1.0, 3e-3))] {
+        let (mut scene, view, maps) = nested(encoding);
+        scene.shadows = Shadows::Fourier(maps.clone());
+        let direct = Reference.samples(&scene, &view).unwrap();
+        scene.shadows = Shadows::Baked(Baked(maps));
+        let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
+        assert!(largest < allowed.0 && mean < allowed.1, "{encoding:?}: {largest} {mean}");
+        scene.shadows = Shadows::None;
+        let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
+        assert!(largest > 0.9 && mean > 0.1, "the comparison sees no shadows at all: {largest} {mean}");
+    }
+}
+
+#[test]
+fn a_renderer_bakes_anew_when_the_sun_has_moved() {
+    let Some(gpu) = super::gpu() else { return };
+    let (mut scene, view, maps) = nested(Encoding::Fm16);
+    scene.shadows = Shadows::Baked(Baked(maps));
+    let mut moved = view.clone();
+    let sun_m = moved.lights[0].position.vector_m();
+    moved.lights[0].position = perilune::geometry::Position::from_m(glam::DQuat::from_rotation_z(0.1) * sun_m);
+    let mut renderer = Passes::new(gpu);
+    let first = renderer.samples(&scene, &view).unwrap();
+    let second = renderer.samples(&scene, &moved).unwrap();
+    let again = renderer.samples(&scene, &view).unwrap();
+    let alone = Passes::new(gpu).samples(&scene, &moved).unwrap();
+    assert_eq!(differences(&first, &again), (0.0, 0.0));
+    assert_eq!(differences(&second, &alone), (0.0, 0.0));
+    assert!(differences(&first, &second).0 > 0.5);
+}
