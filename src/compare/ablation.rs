@@ -10,7 +10,8 @@ use super::numbers::Numbers;
 use super::photometric::{Model, Response};
 use super::register::{Freedom, Registration, register, warped};
 use super::render::{Studio, Trial};
-use super::study::{Law, Resolution};
+use super::request::Law;
+use super::study::Resolution;
 use super::{Error, Grid};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::pipeline::Progress;
@@ -51,6 +52,9 @@ const BLOCKS: usize = 8;
 /// Turns of the Sun that are tried: near its place, and far from it.
 const NEAR_DEG: [f64; 2] = [20.0, 5.0];
 const FAR_DEG: [f64; 2] = [-120.0, 120.0];
+/// Turns that still agree. Elevation is told from contrast, which the law of reflection and film change too: on the
+/// Apollo frames it comes out 3 degrees too high, azimuth within half a degree.
+const AGREES_DEG: [f64; 2] = [10.0, 5.0];
 
 /// The variants, the main one first.
 pub fn trials(main: &Trial) -> Result<Vec<Trial>, Error> {
@@ -112,7 +116,7 @@ pub struct Sun {
     pub tried: Vec<[f64; 3]>,
     /// The vertex of a parabola through the near ones, in azimuth and in elevation; absent where it has no maximum.
     pub best_turn_deg: [Option<f64>; 2],
-    /// No Sun tried is liked better, and the vertices lie within half a step.
+    /// Both vertices lie within 10 and 5 degrees, and no Sun far away is liked better.
     pub agrees: bool,
 }
 
@@ -136,10 +140,9 @@ pub fn sun(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn 
         (bend < 0.0).then(|| 0.5 * step * (a - c) / bend)
     };
     let best_turn_deg = [vertex(1, 2, azimuth), vertex(3, 4, elevation)];
-    let here = tried[0][2];
     let close =
-        best_turn_deg.iter().zip(NEAR_DEG).all(|(turn, step)| turn.is_some_and(|turn| turn.abs() <= step / 2.0));
-    let agrees = close && tried.iter().all(|[_, _, correlation]| *correlation <= here);
+        best_turn_deg.iter().zip(AGREES_DEG).all(|(turn, allowed)| turn.is_some_and(|turn| turn.abs() <= allowed));
+    let agrees = close && tried[near.len()..].iter().all(|[_, _, correlation]| *correlation < tried[0][2]);
     Ok(Sun { tried, best_turn_deg, agrees })
 }
 

@@ -13,7 +13,7 @@
 //! The Sun's distance and the poses stand still during an exposure. The border of [`BORDER`] of the image, with its
 //! fiducial marks and what a shift brings in, does not count.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
@@ -21,62 +21,18 @@ use super::ablation::{self, Row};
 use super::edges::{self, Confusion, Displacement};
 use super::numbers::Numbers;
 use super::photometric::{Model, Response};
+use super::prepare::{Prepared, no_ground, prepared};
 use super::profile::{self, Bin, Profile};
-use super::register::{Freedom, Registration, register, warped};
-use super::render::{Planes, Stage, Studio, Trial, footprint_terrain, horizons};
+use super::register::{Registration, register, warped};
+use super::render::{Planes, Stage, Studio, Trial};
+use super::request::{GeometrySource, Law, Request};
 use super::{Error, Geometry, Grid, provenance};
-use crate::camera::{Pose, PosedCamera};
-use crate::dataset;
+use crate::camera::PosedCamera;
 use crate::geometry::{BodyFixed, Position};
-use crate::photometry::{LimbDarkening, Reflectance, SolarDisk};
-use crate::pipeline::{self, AdapterChoice, Progress, ground};
+use crate::pipeline::{Progress, ground};
 use crate::raster::Picture;
-use crate::render::Scene;
 use crate::scenario;
 use crate::terrain::{Ground, Surface};
-
-/// What to compare, and how.
-#[derive(Debug, Clone)]
-pub struct Request {
-    pub photo: PathBuf,
-    /// Of the photograph, counted from 1.
-    pub band: Option<usize>,
-    pub geometry: GeometrySource,
-    pub dems: Vec<PathBuf>,
-    pub albedo: Option<PathBuf>,
-    /// Compare even where the albedo map holds the photograph.
-    pub force: bool,
-    /// `None`: a scenario's own, else lunar-Lambert.
-    pub law: Option<Law>,
-    pub freedom: Freedom,
-    pub model: Model,
-    /// Jung's dark level, a share of the photograph's largest number.
-    pub dark: f64,
-    /// Pixels along the longer side; `None`: as many as the elevation model resolves.
-    pub pixels: Option<usize>,
-    pub ablation: bool,
-    pub cache: PathBuf,
-    pub adapter: AdapterChoice,
-}
-
-/// Where the camera and the Sun come from.
-#[derive(Debug, Clone)]
-pub enum GeometrySource {
-    /// A frame of ours or a CSM ISD.
-    File(PathBuf),
-    /// An exposure of a scenario, counted from 0.
-    Scenario { scenario: Box<scenario::Scenario>, exposure: usize },
-}
-
-/// Laws of reflection by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Law {
-    Lambert,
-    LommelSeeliger,
-    LunarLambert,
-    Minnaert,
-    HapkeMoon,
-}
 
 /// Standard deviation of what a slope of the elevation model averages over, in postings: central differences span two
 /// of them, `(2²)/12`, and are interpolated over a tent, `1/6`; the root of the sum.
@@ -87,59 +43,6 @@ const FINER: f64 = 3.0;
 pub const BORDER: f64 = 0.03;
 /// Standard deviation of the Gaussian that the high-pass takes away, over the longer side.
 pub const HIGH_PASS: f64 = 1.0 / 16.0;
-/// Effective wavelength of panchromatic film and of unfiltered silicon under sunlight.
-pub const WAVELENGTH_NM: f64 = 580.0;
-/// Moon's mean normal albedo; only ratios count in a comparison.
-const NORMAL_ALBEDO: f64 = 0.12;
-/// Slope of the Minnaert exponent with phase is left out: 0.7 fits the Moon near 60°.
-const MINNAERT_EXPONENT: f64 = 0.7;
-
-impl Law {
-    pub const ALL: [Self; 5] =
-        [Self::Lambert, Self::LommelSeeliger, Self::LunarLambert, Self::Minnaert, Self::HapkeMoon];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lambert => "Lambert",
-            Self::LommelSeeliger => "Lommel-Seeliger",
-            Self::LunarLambert => "lunar-Lambert",
-            Self::Minnaert => "Minnaert k = 0.7",
-            Self::HapkeMoon => "Hapke, Moon",
-        }
-    }
-
-    pub fn reflectance(self) -> Reflectance {
-        let normal_albedo = NORMAL_ALBEDO;
-        match self {
-            Self::Lambert => Reflectance::Lambert { normal_albedo },
-            Self::LommelSeeliger => Reflectance::LommelSeeliger { normal_albedo },
-            Self::LunarLambert => Reflectance::LunarLambert { normal_albedo },
-            Self::Minnaert => Reflectance::Minnaert { normal_albedo, exponent: MINNAERT_EXPONENT },
-            Self::HapkeMoon => Reflectance::Hapke(crate::photometry::Hapke::moon()),
-        }
-    }
-}
-
-impl Trial {
-    /// Cast shadows of a limb-darkened Sun.
-    pub fn of(law: Law) -> Result<Self, Error> {
-        let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?;
-        let (name, reflectance) = (law.name().into(), law.reflectance());
-        Ok(Self { name, reflectance, disk, shadows: true, sun_radii: 1.0, sun_turn_rad: [0.0; 2] })
-    }
-
-    /// The scenario's own surface, disc and shadows.
-    fn of_scenario(scenario: &scenario::Scenario) -> Result<Self, Error> {
-        Ok(Self {
-            name: "the scenario's".into(),
-            reflectance: pipeline::scene::reflectance(scenario)?,
-            disk: pipeline::scene::disk(scenario)?,
-            shadows: scenario.shadows != scenario::Shadows::Off,
-            sun_radii: 1.0,
-            sun_turn_rad: [0.0; 2],
-        })
-    }
-}
 
 /// All that a report tells.
 #[derive(Debug, Clone)]
@@ -336,107 +239,6 @@ fn check_albedo(request: &Request) -> Result<AlbedoSource, Error> {
         Some(reason) if request.force => Ok(AlbedoSource::HoldsPhoto { map, reason }),
         Some(reason) => Err(Error::AlbedoHoldsPhoto { albedo, reason }),
     }
-}
-
-/// Camera and ground, before anything is rendered.
-struct Prepared {
-    geometry: Geometry,
-    scene: Scene,
-    inputs: Vec<dataset::Input>,
-}
-
-fn prepared(request: &Request, main: &Trial, picture: &Picture, progress: &dyn Progress) -> Result<Prepared, Error> {
-    match &request.geometry {
-        GeometrySource::File(path) => of_file(request, path, main, picture, progress),
-        GeometrySource::Scenario { scenario, exposure } => {
-            of_exposure(request, scenario.as_ref().clone(), *exposure, picture, progress)
-        }
-    }
-}
-
-fn of_file(
-    request: &Request,
-    path: &Path,
-    main: &Trial,
-    picture: &Picture,
-    progress: &dyn Progress,
-) -> Result<Prepared, Error> {
-    if request.dems.is_empty() {
-        return Err(Error::NoDem { path: path.into() });
-    }
-    let geometry = Geometry::read(path, &request.photo, [picture.columns, picture.rows])?;
-    let terrain = footprint_terrain(&geometry, &request.dems).ok_or_else(|| no_ground(request, &geometry))?;
-    let mut ground = ground::surface(Some(&terrain), &geometry.body, &request.cache, progress)?;
-    // A map holds normal albedos; it multiplies Hapke's law as it is.
-    let scale = if matches!(main.reflectance, Reflectance::Hapke(_)) { 1.0 } else { 1.0 / NORMAL_ALBEDO };
-    let map = |path| ground::albedo(&mut ground.surface, path, scale);
-    let albedo = request.albedo.as_deref().map(map).transpose()?;
-    let scene = Scene {
-        shadows: horizons(&ground.surface, &request.cache, progress)?,
-        surface: ground.surface,
-        reflectance: main.reflectance,
-        albedo,
-        disk: main.disk.clone(),
-        optics: geometry.camera.optics.clone(),
-        detector: None,
-        samples_per_side: 1,
-        quantities: Vec::new(),
-    };
-    Ok(Prepared { geometry, scene, inputs: ground.inputs })
-}
-
-/// An exposure of a scenario, over its own elevation models or those given.
-fn of_exposure(
-    request: &Request,
-    mut scenario: scenario::Scenario,
-    exposure: usize,
-    picture: &Picture,
-    progress: &dyn Progress,
-) -> Result<Prepared, Error> {
-    let path = scenario.path.clone();
-    let size = [scenario.camera.columns as usize, scenario.camera.rows as usize];
-    if [picture.columns, picture.rows] != size {
-        let (photo, allowed) = (picture.path.clone(), vec![format!("{} x {}", size[0], size[1])]);
-        return Err(Error::Size { photo, columns: picture.columns, rows: picture.rows, allowed });
-    }
-    if exposure >= scenario.exposures.len() {
-        return Err(Error::NoSuchImage { image: exposure, path, count: scenario.exposures.len() });
-    }
-    if !request.dems.is_empty() {
-        let file = |path: &PathBuf| scenario::Dem::File {
-            path: path.clone(),
-            values: scenario::Values::Auto,
-            posting_m: None,
-            extent_m: None,
-        };
-        let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
-        scenario.terrain = Some(scenario::Terrain { centre, dems: request.dems.iter().map(file).collect() });
-    }
-    if scenario.terrain.is_none() {
-        return Err(Error::NoDem { path });
-    }
-    if let Some(map) = &request.albedo {
-        scenario.albedo = scenario::Albedo::Map(map.clone());
-    }
-    let mut prepared = pipeline::prepare(&scenario, &request.cache, progress)?;
-    let scene = pipeline::scene(&scenario, &mut prepared, &request.cache, progress)?;
-    let view = &prepared.exposures[exposure].view;
-    let pose = Pose { position: view.camera_position, camera_from_body: view.camera_from_body };
-    let geometry = Geometry {
-        body: prepared.frame.body.clone(),
-        camera: PosedCamera { optics: scene.optics.clone(), poses: vec![pose] },
-        lights: view.lights.clone(),
-        source: format!("scenario {}, exposure {exposure}", scenario.name),
-    };
-    Ok(Prepared { geometry, scene: Scene { detector: None, ..scene }, inputs: prepared.ground.inputs })
-}
-
-fn no_ground(request: &Request, geometry: &Geometry) -> Error {
-    let path = match &request.geometry {
-        GeometrySource::File(path) => path.clone(),
-        GeometrySource::Scenario { scenario, .. } => scenario.path.clone(),
-    };
-    Error::NoGround { path, body: geometry.body.name.clone() }
 }
 
 /// The coarser of the photograph's and the elevation model's resolution in the middle of the image.
