@@ -20,6 +20,8 @@ use crate::pipeline::Progress;
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
     pub photo: &'a Grid,
+    /// The photograph, high-passed.
+    pub detail: &'a Grid,
     /// The main row's render, NaN off the elevation models.
     pub radiance: &'a Grid,
     pub resolution: &'a Resolution,
@@ -155,7 +157,7 @@ impl Setting<'_> {
 
     fn registration(&self, radiance: &Grid) -> Result<Registration, Error> {
         let high_pass_px = self.resolution.high_pass_px;
-        register(&self.photo.high_pass(high_pass_px), &radiance.high_pass(high_pass_px), self.freedom)
+        register(self.detail, &radiance.high_pass(high_pass_px), self.freedom)
     }
 }
 

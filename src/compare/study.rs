@@ -118,10 +118,13 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
     let photo = seen(photo);
-    let photo = photo.without_border(border(photo.columns), border(photo.rows));
+    let inside = |image: Grid| image.without_border(border(photo.columns), border(photo.rows));
+    // Of the whole photograph, so that it meets a render's at the border too.
+    let detail = inside(photo.high_pass(resolution.high_pass_px));
+    let photo = inside(photo.clone());
     let radiance = seen(planes.grid("RADIANCE"));
     let high_pass_px = resolution.high_pass_px;
-    let registration = register(&photo.high_pass(high_pass_px), &radiance.high_pass(high_pass_px), request.freedom)?;
+    let registration = register(&detail, &radiance.high_pass(high_pass_px), request.freedom)?;
     let moved = |image: &Grid| warped(image, &registration.motion);
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
@@ -143,6 +146,7 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
     let setting = ablation::Setting {
         photo: &photo,
+        detail: &detail,
         radiance: &radiance,
         resolution: &resolution,
         freedom: request.freedom,
