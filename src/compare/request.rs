@@ -57,7 +57,7 @@ pub enum Law {
 const WAVELENGTH_NM: f64 = 580.0;
 /// Moon's mean normal albedo; only ratios count in a comparison.
 pub(super) const NORMAL_ALBEDO: f64 = 0.12;
-/// Slope of the Minnaert exponent with phase is left out: 0.7 fits the Moon near 60°.
+/// Between Lambert's 1 and the ½ of a law without limb darkening; its change with phase is left out.
 const MINNAERT_EXPONENT: f64 = 0.7;
 
 impl Law {

@@ -5,11 +5,11 @@ use perilune::compare::photometric::Response;
 use perilune::compare::register::{Freedom, Motion, register, warped};
 use perilune::compare::{Error, Grid, Model};
 
-const SIZE: usize = 160;
+const SIZE: usize = 200;
 
 /// A smooth scene without period: hills of 4 to 9 pixels at places of Weyl's sequences.
 fn scene(at: DVec2) -> f64 {
-    (1..=220)
+    (1..=340)
         .map(|k| {
             let turn = |step: f64| (f64::from(k) * step).fract();
             let centre = DVec2::new(turn(0.754_877_666), turn(0.569_840_291)) * (SIZE as f64 + 40.0) - 20.0;
@@ -36,8 +36,9 @@ fn photographed(shift: [f64; 2], rotation_rad: f64, scale: f64) -> Grid {
     })
 }
 
+/// Without what the high-pass (a Gaussian of 10 px, 35 px wide) sees of the edges.
 fn inner(image: &Grid) -> Grid {
-    image.without_border(16, 16)
+    image.without_border(36, 36)
 }
 
 fn high(image: &Grid) -> Grid {
