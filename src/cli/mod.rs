@@ -10,6 +10,7 @@ pub mod bench;
 pub mod check;
 pub mod compare;
 pub mod horizon;
+pub mod illuminate;
 pub mod inspect;
 pub mod kernels;
 pub mod run;
