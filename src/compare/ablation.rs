@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::numbers::Numbers;
 use super::photometric::{Model, Response};
-use super::register::{Freedom, Registration, register, warped};
+use super::register::{Freedom, Registration, register_detail, warped};
 use super::render::{Studio, Trial};
 use super::request::Law;
 use super::study::Resolution;
@@ -20,8 +20,6 @@ use crate::pipeline::Progress;
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
     pub photo: &'a Grid,
-    /// The photograph, high-passed.
-    pub detail: &'a Grid,
     /// The main row's render, NaN off the elevation models.
     pub radiance: &'a Grid,
     pub resolution: &'a Resolution,
@@ -157,7 +155,7 @@ impl Setting<'_> {
 
     fn registration(&self, radiance: &Grid) -> Result<Registration, Error> {
         let high_pass_px = self.resolution.high_pass_px;
-        register(self.detail, &radiance.high_pass(high_pass_px), self.freedom)
+        register_detail(self.photo, radiance, high_pass_px, self.freedom)
     }
 }
 

@@ -38,10 +38,10 @@ pub fn mean(a: &Grid, b: &Grid) -> f64 {
     for i in 0..a.values.len() {
         let colour = colour_error((la.values[i] - lb.values[i]).abs());
         let feature = (ea.values[i] - eb.values[i]).abs().max((pa.values[i] - pb.values[i]).abs());
-        let feature = (feature / std::f64::consts::SQRT_2).powf(FEATURE_POWER);
-        let error = colour.powf(1.0 - feature.min(1.0));
-        if error.is_finite() {
-            sum = [sum[0] + error, sum[1] + 1.0];
+        // The larger of two numbers forgets one that is none, and anything to the power 0 is 1.
+        if (colour + ea.values[i] + eb.values[i] + pa.values[i] + pb.values[i]).is_finite() {
+            let feature = (feature / std::f64::consts::SQRT_2).powf(FEATURE_POWER);
+            sum = [sum[0] + colour.powf(1.0 - feature.min(1.0)), sum[1] + 1.0];
         }
     }
     sum[0] / sum[1]
@@ -123,6 +123,10 @@ mod tests {
     fn black_and_white_differ_by_0_967() {
         assert!((mean(&flat(0.0), &flat(1.0)) - 0.9669).abs() < 5e-4, "{}", mean(&flat(0.0), &flat(1.0)));
         assert_eq!(mean(&flat(0.3), &flat(0.3)), 0.0);
+        // A missing pixel is no difference.
+        let mut missing = flat(0.3);
+        missing.values[0] = f64::NAN;
+        assert_eq!(mean(&missing, &missing), 0.0);
     }
 
     /// Lab of sRGB green (87.73, −86.18, 83.18) and blue (32.30, 79.19, −107.86), a and b times L/100.

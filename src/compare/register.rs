@@ -65,6 +65,8 @@ const COARSE_PX: usize = 96;
 /// Fewer shared pixels register nothing.
 const LEAST_PIXELS: usize = 256;
 const ROUNDS: usize = 30;
+/// Times that both are high-passed over the ground that they share: the second changes a hundredth of the first.
+const REFINEMENTS: usize = 2;
 /// Motion of the image's corner in one round that ends the iteration.
 const SETTLED_PX: f64 = 1e-7;
 /// Blocks along a side of the image for the covariance.
@@ -75,6 +77,16 @@ impl Motion {
         let middle = middle(columns, rows);
         let turned = DVec2::from_angle(self.rotation_rad).rotate(at - middle);
         middle + (1.0 + self.scale) * turned + DVec2::from(self.shift_px)
+    }
+
+    /// `self` of what `first` gives.
+    fn after(&self, first: &Self) -> Self {
+        let turned = DVec2::from_angle(self.rotation_rad).rotate(first.shift_px.into());
+        Self {
+            shift_px: ((1.0 + self.scale) * turned + DVec2::from(self.shift_px)).to_array(),
+            rotation_rad: self.rotation_rad + first.rotation_rad,
+            scale: (1.0 + self.scale) * (1.0 + first.scale) - 1.0,
+        }
     }
 }
 
@@ -88,6 +100,39 @@ pub fn warped(render: &Grid, motion: &Motion) -> Grid {
     let at = |i: usize| DVec2::new((i % columns) as f64, (i / columns) as f64);
     let values = (0..columns * rows).map(|i| render.sample(motion.apply(columns, rows, at(i)))).collect();
     Grid::new(columns, rows, values)
+}
+
+/// Registers a photograph and a render by what a Gaussian takes away from both. What lies beyond an image's edge has no
+/// part in its mean: both are high-passed anew once they cover the same ground.
+pub fn register_detail(
+    photo: &Grid,
+    render: &Grid,
+    high_pass_px: f64,
+    freedom: Freedom,
+) -> Result<Registration, Error> {
+    // An image and itself differ by nothing, whatever part of it counts.
+    if photo.pairs(render).all(|(a, b)| a == b) {
+        let detail =
+            render.zip(photo, |value, photo| if photo.is_nan() { photo } else { value }).high_pass(high_pass_px);
+        return register(&detail, &detail, freedom);
+    }
+    let mut found = register(&photo.high_pass(high_pass_px), &render.high_pass(high_pass_px), freedom)?;
+    if freedom == Freedom::Nothing {
+        return Ok(found);
+    }
+    for _ in 0..REFINEMENTS {
+        let moved = warped(render, &found.motion);
+        let shared = |image: &Grid, other: &Grid| {
+            image.zip(other, |value, other| if other.is_nan() { other } else { value }).high_pass(high_pass_px)
+        };
+        let (photo, moved) = (shared(photo, &moved), shared(&moved, photo));
+        let mut fit = Fit { photo: &photo, render: &moved, gradient: gradient(&moved), freedom };
+        let (motion, sigma) = fit.settle(Motion::default())?;
+        found.motion = found.motion.after(&motion);
+        found.sigma = sigma;
+        found.correlation = correlation(photo.pairs(&warped(&moved, &motion)));
+    }
+    Ok(found)
 }
 
 /// Registers two high-passed images of one size.

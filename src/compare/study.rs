@@ -23,7 +23,7 @@ use super::numbers::Numbers;
 use super::photometric::{Model, Response};
 use super::prepare::{Prepared, no_ground, prepared};
 use super::profile::{self, Bin, Profile};
-use super::register::{Registration, register, warped};
+use super::register::{Registration, register_detail, warped};
 use super::render::{Planes, Stage, Studio, Trial};
 use super::request::{GeometrySource, Law, Request};
 use super::{Error, Geometry, Grid, provenance};
@@ -118,13 +118,10 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
     let photo = seen(photo);
-    let inside = |image: Grid| image.without_border(border(photo.columns), border(photo.rows));
-    // Of the whole photograph, so that it meets a render's at the border too.
-    let detail = inside(photo.high_pass(resolution.high_pass_px));
-    let photo = inside(photo.clone());
+    let photo = photo.without_border(border(photo.columns), border(photo.rows));
     let radiance = seen(planes.grid("RADIANCE"));
     let high_pass_px = resolution.high_pass_px;
-    let registration = register(&detail, &radiance.high_pass(high_pass_px), request.freedom)?;
+    let registration = register_detail(&photo, &radiance, high_pass_px, request.freedom)?;
     let moved = |image: &Grid| warped(image, &registration.motion);
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
@@ -146,7 +143,6 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
     let setting = ablation::Setting {
         photo: &photo,
-        detail: &detail,
         radiance: &radiance,
         resolution: &resolution,
         freedom: request.freedom,
