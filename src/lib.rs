@@ -40,7 +40,8 @@
 //!
 //! ```text
 //! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
-//!          -> horizon -> shadow -> { render, illumination } -> { dataset, scenario } -> pipeline -> evaluate -> main
+//!          -> horizon -> shadow -> { render, illumination } -> { dataset, scenario } -> pipeline -> evaluate
+//!          -> compare -> main
 //! ```
 //!
 //! A module uses only modules to its left. `tests/architecture.rs` reads the sources and says so.
@@ -79,3 +80,5 @@ pub mod scenario;
 pub mod pipeline;
 
 pub mod evaluate;
+
+pub mod compare;

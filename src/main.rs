@@ -32,6 +32,7 @@ Exit codes: 0 done, 1 an error, 2 wrong arguments";
 enum Command {
     Bench(cli::bench::Args),
     Check(cli::check::Args),
+    Compare(cli::compare::Args),
     Horizon(Box<cli::horizon::Args>),
     Illuminate(Box<cli::illuminate::Args>),
     Inspect(cli::inspect::Args),
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
     let outcome = match Sim::parse().command {
         Command::Bench(args) => cli::bench::run(args),
         Command::Check(args) => cli::check::run(args),
+        Command::Compare(args) => cli::compare::run(args),
         Command::Horizon(args) => cli::horizon::run(*args),
         Command::Illuminate(args) => cli::illuminate::run(*args),
         Command::Inspect(args) => cli::inspect::run(args),

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of one layer do not see each other.
-const LAYERS: [&[&str]; 10] = [
+const LAYERS: [&[&str]; 11] = [
     &["quantity", "digest"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
@@ -17,6 +17,7 @@ const LAYERS: [&[&str]; 10] = [
     &["dataset", "scenario"],
     &["pipeline"],
     &["evaluate"],
+    &["compare"],
 ];
 
 /// A crate, and the beginnings of the paths that may name it; `*` stands for anything within a file's name.

@@ -1,15 +1,23 @@
 //! From scene to detector: where a pixel looks, and what it counts.
 //!
 //! - [`Camera`]: pixels and directions, solid angles, irradiance of the focal plane
+//! - [`Isd`]: the geometry that CSM programs exchange
+//! - [`PosedCamera`]: with the poses of an image: one, or one a line or framelet
 //! - [`Detector`]: electrons and digital numbers, with noise and without
 
+mod correction;
 mod detector;
 mod distortion;
+mod isd;
 mod optics;
+mod posed;
 
+pub use correction::Correction;
 pub use detector::Detector;
 pub use distortion::Distortion;
+pub use isd::{Isd, IsdError};
 pub use optics::Camera;
+pub use posed::{Pose, PosedCamera};
 
 /// A camera that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::{CameraError, Distortion, check};
+use super::{CameraError, Correction, Distortion, check};
 use crate::geometry::{self, Direction};
 
 /// A camera's geometry and lens.
@@ -30,9 +30,19 @@ pub struct Camera {
     pub f_number: f64,
     /// Share of the light that passes the lens.
     pub transmission: f64,
-    distortion: Option<Distortion>,
+    lens: Lens,
     /// Radius on the plane z = 1 beyond which nothing is seen.
     largest_radius: f64,
+}
+
+/// What the lens does to the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Lens {
+    Ideal,
+    /// From ideal to measured.
+    Distorts(Distortion),
+    /// From measured to ideal.
+    Corrected(Correction),
 }
 
 impl Camera {
@@ -46,8 +56,8 @@ impl Camera {
         }
         let principal_px = (DVec2::new(f64::from(columns), f64::from(rows)) - 1.0) / 2.0;
         let largest_radius = f64::INFINITY;
-        let (f_number, transmission, distortion) = (1.0, 1.0, None);
-        Ok(Self { columns, rows, focal_px, principal_px, f_number, transmission, distortion, largest_radius })
+        let (f_number, transmission, lens) = (1.0, 1.0, Lens::Ideal);
+        Ok(Self { columns, rows, focal_px, principal_px, f_number, transmission, lens, largest_radius })
     }
 
     pub fn from_focal_length(
@@ -79,7 +89,7 @@ impl Camera {
 
     /// Refuses a distortion that folds back inside the image. Call it last: the image's corners are checked.
     pub fn with_distortion(self, distortion: Distortion) -> Result<Self, CameraError> {
-        let camera = Self { distortion: Some(distortion), largest_radius: distortion.largest_radius(), ..self };
+        let camera = Self { lens: Lens::Distorts(distortion), largest_radius: distortion.largest_radius(), ..self };
         let [right, bottom] = [camera.columns, camera.rows].map(|size| f64::from(size) - 0.5);
         for corner in [[-0.5, -0.5], [right, -0.5], [-0.5, bottom], [right, bottom]] {
             if camera.direction(corner.into()).is_none() {
@@ -90,12 +100,45 @@ impl Camera {
         Ok(camera)
     }
 
+    /// With a distortion that is known from measured to ideal points. Refuses one without an inverse at the image's
+    /// corners: call it last.
+    pub fn with_correction(self, correction: Correction) -> Result<Self, CameraError> {
+        let camera = Self { lens: Lens::Corrected(correction), ..self };
+        let [right, bottom] = [camera.columns, camera.rows].map(|size| f64::from(size) - 0.5);
+        for corner in [[-0.5, -0.5], [right, -0.5], [-0.5, bottom], [right, bottom]] {
+            let ideal = correction.ideal((DVec2::from(corner) - camera.principal_px) / camera.focal_px);
+            if correction.measured(ideal).is_none() {
+                return Err(CameraError::Folds { largest_rad: ideal.length().atan(), corner_px: corner });
+            }
+        }
+        Ok(camera)
+    }
+
+    /// With rows counted towards −y of the same axes: scanners whose lines run against their motion.
+    pub fn with_lines_upwards(self) -> Self {
+        Self { focal_px: self.focal_px * DVec2::new(1.0, -1.0), ..self }
+    }
+
+    /// With the last row first.
+    pub fn with_rows_turned_over(self) -> Self {
+        let principal_px = DVec2::new(self.principal_px.x, f64::from(self.rows) - 1.0 - self.principal_px.y);
+        Self { principal_px, ..self }.with_lines_upwards()
+    }
+
+    /// The same field of view in other pixels.
+    pub fn resized(&self, columns: u32, rows: u32) -> Self {
+        let scale = DVec2::new(f64::from(columns) / f64::from(self.columns), f64::from(rows) / f64::from(self.rows));
+        let principal_px = (self.principal_px + 0.5) * scale - 0.5;
+        Self { columns, rows, focal_px: self.focal_px * scale, principal_px, ..self.clone() }
+    }
+
     /// Where a pixel coordinate looks; `None` where the distortion has no inverse.
     pub fn direction(&self, pixel: DVec2) -> Option<Direction<geometry::Camera>> {
         let distorted = (pixel - self.principal_px) / self.focal_px;
-        let plane = match &self.distortion {
-            Some(distortion) => distortion.undistort(distorted, self.largest_radius)?,
-            None => distorted,
+        let plane = match &self.lens {
+            Lens::Ideal => distorted,
+            Lens::Distorts(distortion) => distortion.undistort(distorted, self.largest_radius)?,
+            Lens::Corrected(correction) => correction.ideal(distorted),
         };
         Direction::new(plane.extend(1.0))
     }
@@ -107,7 +150,11 @@ impl Camera {
         if d.z <= 0.0 || plane.length() > self.largest_radius {
             return None;
         }
-        let distorted = self.distortion.map_or(plane, |distortion| distortion.distort(plane));
+        let distorted = match &self.lens {
+            Lens::Ideal => plane,
+            Lens::Distorts(distortion) => distortion.distort(plane),
+            Lens::Corrected(correction) => correction.measured(plane)?,
+        };
         Some(self.principal_px + self.focal_px * distorted)
     }
 

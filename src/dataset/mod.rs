@@ -31,7 +31,7 @@ mod record;
 mod tiff_file;
 mod writer;
 
-pub use atomic::check_writable;
+pub use atomic::{check_writable, write as write_whole};
 pub use error::DatasetError;
 pub use exr_file::{ExrFile, read_exr, write_exr};
 pub use inspect::inspect;

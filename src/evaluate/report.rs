@@ -86,13 +86,13 @@ impl Report {
     }
 }
 
-const STYLE: &str = "body { font-family: sans-serif; max-width: 1100px; margin: 2em auto; } \
+pub(crate) const STYLE: &str = "body { font-family: sans-serif; max-width: 1100px; margin: 2em auto; } \
                      table { border-collapse: collapse; margin: 1em 0; } \
                      caption { text-align: left; font-weight: bold; padding: 0.3em 0; } \
                      th, td { padding: 0.2em 0.8em; border-bottom: 1px solid #ddd; text-align: right; } \
                      .text { text-align: left; } figure { margin: 1em 0; } img { max-width: 100%; }";
 
-fn table_html(table: &Table) -> String {
+pub(crate) fn table_html(table: &Table) -> String {
     let class = |column: usize| if table.is_text(column) { " class='text'" } else { "" };
     let mut html = format!("<table><caption>{}</caption>\n<tr>", escaped(&table.title));
     for (column, (name, unit)) in table.columns.iter().enumerate() {
@@ -108,7 +108,7 @@ fn table_html(table: &Table) -> String {
 }
 
 /// RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {

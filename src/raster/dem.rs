@@ -241,7 +241,7 @@ impl fmt::Debug for Dem {
     }
 }
 
-fn open_dataset(path: &Path) -> Result<Dataset, Error> {
+pub(super) fn open_dataset(path: &Path) -> Result<Dataset, Error> {
     Dataset::open(path).map_err(|source| match std::fs::metadata(path) {
         Err(source) => Error::File { path: path.into(), source },
         Ok(found) if found.is_dir() => Error::Directory { path: path.into() },
@@ -249,7 +249,11 @@ fn open_dataset(path: &Path) -> Result<Dataset, Error> {
     })
 }
 
-fn choose_band<'a>(path: &Path, dataset: &'a Dataset, wanted: Option<usize>) -> Result<RasterBand<'a>, Error> {
+pub(super) fn choose_band<'a>(
+    path: &Path,
+    dataset: &'a Dataset,
+    wanted: Option<usize>,
+) -> Result<RasterBand<'a>, Error> {
     let bands = dataset.raster_count();
     let band = match (bands, wanted) {
         (0, _) => return Err(Error::NoBand { path: path.into() }),

@@ -8,6 +8,7 @@ mod dem;
 mod digest;
 mod error;
 mod georeference;
+mod picture;
 mod sample;
 mod write;
 
@@ -16,4 +17,5 @@ pub use digest::digest;
 pub use error::Error;
 use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
+pub use picture::{Picture, notes};
 pub use write::{Band, GeoTiff};

@@ -5,7 +5,7 @@ mod ephemeris;
 mod horizon;
 mod illuminate;
 mod inspect;
-mod run;
+pub mod run;
 mod run_input;
 mod scenario;
 mod shadows;

@@ -1,0 +1,388 @@
+//! Image support data: camera, poses and Sun as USGS's ALE writes them for CSM programs.
+//!
+//! A point `(x, y)` of the focal plane, in mm, and the detector, from 0.5 at the first pixel's centre:
+//!
+//! ```text
+//! sample = s₀ + S₀ + S₁ x + S₂ y,    line = l₀ + L₀ + L₁ x + L₂ y         focal2pixel_samples, focal2pixel_lines
+//! look   = ± (x', y', f) in the sensor's axes,  (x', y') = (x, y) without distortion
+//! body-fixed = B(t) · S(t)ᵀ · look,   B, S from J2000 (body_rotation, instrument_pointing, scalar-first quaternions)
+//! ```
+//!
+//! The sign is the one with which the boresight meets the body. Line `r` of a scanner, counted from 0, is exposed about
+//! `t = t₀ + rate (r + 1 − r₀)` (`line_scan_rate`, `t₀` from the centre time); framelet `k` of a push-frame camera about
+//! `start + exposure/2 + k delay`. Positions go by Lagrange's polynomial through at most eight neighbours, attitudes by
+//! slerp.
+//!
+//! # Assumptions
+//! - Sample and line axes are perpendicular. Distortion is none, `radial` or `lrolrocnac`.
+//! - The Sun stands still during the image: at the centre time.
+//!
+//! # References
+//! Laura, Mapel & Hare (2020), Earth and Space Science 7, doi:10.1029/2019EA000713; `usgscsm` for frame, line-scan and
+//! push-frame sensors.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use serde::Deserialize;
+
+use super::{Camera, CameraError, Correction, Pose, PosedCamera};
+use crate::geometry::{Body, BodyFixed, Position, Rotation};
+
+/// What an ISD says, in our terms.
+#[derive(Debug, Clone)]
+pub struct Isd {
+    /// `USGS_ASTRO_FRAME_SENSOR_MODEL` and its like.
+    pub model: String,
+    pub body: Body,
+    pub camera: PosedCamera,
+    /// Body-fixed, at the image's centre time.
+    pub sun: Position<BodyFixed>,
+}
+
+/// What can be wrong with an ISD.
+#[derive(Debug, thiserror::Error)]
+pub enum IsdError {
+    #[error("{path} is not an ISD as ALE writes it")]
+    Json { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: {key} = {got}, allowed is {allowed}")]
+    Value { path: PathBuf, key: &'static str, got: String, allowed: &'static str },
+    #[error("{path}")]
+    Camera { path: PathBuf, source: CameraError },
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Written {
+    name_model: String,
+    image_lines: u32,
+    image_samples: u32,
+    focal2pixel_lines: [f64; 3],
+    focal2pixel_samples: [f64; 3],
+    focal_length_model: FocalLength,
+    detector_center: DetectorCentre,
+    #[serde(default)]
+    starting_detector_line: f64,
+    #[serde(default)]
+    starting_detector_sample: f64,
+    #[serde(default = "one")]
+    detector_line_summing: f64,
+    #[serde(default = "one")]
+    detector_sample_summing: f64,
+    #[serde(default)]
+    optical_distortion: serde_json::Map<String, serde_json::Value>,
+    radii: Radii,
+    center_ephemeris_time: f64,
+    starting_ephemeris_time: Option<f64>,
+    /// Start line, start time from the centre time, seconds a line.
+    #[serde(default)]
+    line_scan_rate: Vec<[f64; 3]>,
+    exposure_duration: Option<f64>,
+    interframe_delay: Option<f64>,
+    framelet_height: Option<u32>,
+    #[serde(default)]
+    framelet_order_reversed: bool,
+    #[serde(default)]
+    framelets_flipped: bool,
+    instrument_position: Positions,
+    instrument_pointing: Turning,
+    body_rotation: Turning,
+    sun_position: Positions,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct FocalLength {
+    focal_length: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct DetectorCentre {
+    line: f64,
+    sample: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Radii {
+    semimajor: f64,
+    semiminor: f64,
+    #[serde(default = "kilometres")]
+    unit: String,
+}
+
+fn kilometres() -> String {
+    "km".into()
+}
+
+/// Positions in J2000 from the body's centre.
+#[derive(Debug, Clone, Deserialize)]
+struct Positions {
+    positions: Vec<[f64; 3]>,
+    #[serde(default)]
+    ephemeris_times: Vec<f64>,
+    #[serde(default = "kilometres")]
+    unit: String,
+}
+
+/// Rotations from J2000.
+#[derive(Debug, Clone, Deserialize)]
+struct Turning {
+    quaternions: Vec<[f64; 4]>,
+    #[serde(default)]
+    ephemeris_times: Vec<f64>,
+    /// Row by row, after the quaternion.
+    constant_rotation: Option<[f64; 9]>,
+}
+
+/// Neighbours that an interpolated position goes through.
+const NEIGHBOURS: usize = 8;
+/// Cosine of sample and line axes up to which they are perpendicular.
+const SKEW: f64 = 1e-6;
+
+impl Isd {
+    pub fn from_json(path: &Path, json: serde_json::Value) -> Result<Self, IsdError> {
+        let written: Written =
+            serde_json::from_value(json).map_err(|source| IsdError::Json { path: path.into(), source })?;
+        Reader { path, isd: &written }.read()
+    }
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    isd: &'a Written,
+}
+
+impl Reader<'_> {
+    fn read(&self) -> Result<Isd, IsdError> {
+        self.check_tables()?;
+        let times = self.times()?;
+        let centre = self.isd.center_ephemeris_time;
+        // The boresight looks towards the body.
+        let middle = times[times.len() / 2];
+        let sign = if self.position_m(middle)?.dot(self.body_from_sensor(middle).z_axis) < 0.0 { 1.0 } else { -1.0 };
+        let (optics, sensor_axes) = self.optics(sign)?;
+        let pose = |&time: &f64| {
+            let axes = self.body_from_sensor(time) * sensor_axes;
+            Ok(Pose {
+                position: Position::from_m(self.position_m(time)?),
+                camera_from_body: Rotation::from_axes(axes.x_axis, axes.y_axis, axes.z_axis),
+            })
+        };
+        let poses = times.iter().map(pose).collect::<Result<_, _>>()?;
+        let sun_m = self.isd.sun_position.at(centre) * self.unit_m("sun_position.unit", &self.isd.sun_position.unit)?;
+        Ok(Isd {
+            model: self.isd.name_model.clone(),
+            body: self.body()?,
+            camera: PosedCamera { optics, poses },
+            sun: Position::from_m(self.isd.body_rotation.at(centre) * sun_m),
+        })
+    }
+
+    fn value(&self, key: &'static str, got: impl ToString, allowed: &'static str) -> IsdError {
+        IsdError::Value { path: self.path.into(), key, got: got.to_string(), allowed }
+    }
+
+    fn unit_m(&self, key: &'static str, unit: &str) -> Result<f64, IsdError> {
+        match unit.to_lowercase().as_str() {
+            "km" => Ok(1e3),
+            "m" => Ok(1.0),
+            _ => Err(self.value(key, unit, "m or km")),
+        }
+    }
+
+    /// Each table has a time for each of its rows.
+    fn check_tables(&self) -> Result<(), IsdError> {
+        let Written { instrument_position, instrument_pointing, body_rotation, sun_position, .. } = self.isd;
+        for (key, rows, times) in [
+            ("instrument_position", instrument_position.positions.len(), &instrument_position.ephemeris_times),
+            ("instrument_pointing", instrument_pointing.quaternions.len(), &instrument_pointing.ephemeris_times),
+            ("body_rotation", body_rotation.quaternions.len(), &body_rotation.ephemeris_times),
+            ("sun_position", sun_position.positions.len(), &sun_position.ephemeris_times),
+        ] {
+            let timed = times.len() == rows && times.windows(2).all(|pair| pair[0] < pair[1]);
+            if rows == 0 || (rows > 1 && !timed) {
+                let got = format!("{rows} rows and {} times", times.len());
+                return Err(self.value(key, got, "at least one row, each with a later time than the one before"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Of the exposures, the image's top first.
+    fn times(&self) -> Result<Vec<f64>, IsdError> {
+        let isd = self.isd;
+        match isd.name_model.as_str() {
+            "USGS_ASTRO_FRAME_SENSOR_MODEL" => Ok(vec![isd.center_ephemeris_time]),
+            "USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL" => {
+                let Some(&first) = isd.line_scan_rate.first() else {
+                    return Err(self.value("line_scan_rate", "nothing", "at least one row"));
+                };
+                let time = |row: u32| {
+                    // A line's middle, where the first line is 0.5 from the image's edge.
+                    let line = f64::from(row) + 0.5;
+                    let begun = isd.line_scan_rate.iter().rev().find(|part| part[0] <= line);
+                    let [start_line, start_s, rate_s] = *begun.unwrap_or(&first);
+                    isd.center_ephemeris_time + start_s + rate_s * (line + 0.5 - start_line)
+                };
+                Ok((0..isd.image_lines).map(time).collect())
+            }
+            "USGS_ASTRO_PUSH_FRAME_SENSOR_MODEL" => self.framelet_times(),
+            model => Err(self.value(
+                "name_model",
+                model,
+                "USGS_ASTRO_FRAME_SENSOR_MODEL, USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL, USGS_ASTRO_PUSH_FRAME_SENSOR_MODEL",
+            )),
+        }
+    }
+
+    fn framelet_times(&self) -> Result<Vec<f64>, IsdError> {
+        let isd = self.isd;
+        let needed = |key, got: Option<f64>| got.ok_or_else(|| self.value(key, "nothing", "a number, in s"));
+        let start_s = needed("starting_ephemeris_time", isd.starting_ephemeris_time)?;
+        let exposure_s = needed("exposure_duration", isd.exposure_duration)?;
+        let delay_s = needed("interframe_delay", isd.interframe_delay)?;
+        let count = isd.image_lines / self.rows()?;
+        let time = |k: u32| start_s + 0.5 * exposure_s + f64::from(k) * delay_s;
+        let mut times: Vec<f64> = (0..count).map(time).collect();
+        if isd.framelet_order_reversed {
+            times.reverse();
+        }
+        Ok(times)
+    }
+
+    /// Of one exposure.
+    fn rows(&self) -> Result<u32, IsdError> {
+        let isd = self.isd;
+        match isd.name_model.as_str() {
+            "USGS_ASTRO_FRAME_SENSOR_MODEL" => Ok(isd.image_lines),
+            "USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL" => Ok(1),
+            _ => {
+                let height = f64::from(isd.framelet_height.unwrap_or(0)) / isd.detector_line_summing;
+                let whole = height >= 1.0 && height.fract() == 0.0 && isd.image_lines % height as u32 == 0;
+                if whole {
+                    Ok(height as u32)
+                } else {
+                    Err(self.value("framelet_height", height, "a divisor of image_lines"))
+                }
+            }
+        }
+    }
+
+    /// The optics of one exposure, and its axes (right, down, boresight) in the sensor's.
+    fn optics(&self, sign: f64) -> Result<(Camera, DMat3), IsdError> {
+        let isd = self.isd;
+        let [s0, s1, s2] = isd.focal2pixel_samples;
+        let [l0, l1, l2] = isd.focal2pixel_lines;
+        let (samples, lines) = (DVec2::new(s1, s2), DVec2::new(l1, l2));
+        let skew = samples.normalize_or_zero().dot(lines.normalize_or_zero());
+        if !(samples.length() > 0.0 && lines.length() > 0.0 && skew.abs() < SKEW) {
+            let got = format!("{samples} and samples {lines}");
+            return Err(self.value("focal2pixel_lines", got, "perpendicular to focal2pixel_samples"));
+        }
+        let (right, forward) = (sign * samples.normalize().extend(0.0), DVec3::Z * sign);
+        let down = forward.cross(right);
+        let focal_mm = isd.focal_length_model.focal_length.abs();
+        let focal_px = focal_mm
+            * DVec2::new(samples.length() / isd.detector_sample_summing, lines.length() / isd.detector_line_summing);
+        let scanner = isd.name_model == "USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL";
+        let rows = self.rows()?;
+        let mut row = (isd.detector_center.line + l0 - isd.starting_detector_line) / isd.detector_line_summing;
+        // A scanner's only line looks where line 0 of its detector does.
+        row -= if scanner { 0.0 } else { 0.5 };
+        let column =
+            (isd.detector_center.sample + s0 - isd.starting_detector_sample) / isd.detector_sample_summing - 0.5;
+        let camera = |source| IsdError::Camera { path: self.path.into(), source };
+        let mut optics = Camera::pinhole(isd.image_samples, rows, focal_px)
+            .map_err(camera)?
+            .with_principal_point(DVec2::new(column, row));
+        if (sign * lines.extend(0.0)).dot(down) < 0.0 {
+            optics = optics.with_lines_upwards();
+        }
+        if isd.framelets_flipped {
+            optics = optics.with_rows_turned_over();
+        }
+        if let Some(correction) = self.correction(focal_mm)? {
+            optics = optics.with_correction(correction).map_err(camera)?;
+        }
+        Ok((optics, DMat3::from_cols(right, down, forward)))
+    }
+
+    /// On the plane at distance 1; `None` where nothing is to be corrected.
+    fn correction(&self, focal_mm: f64) -> Result<Option<Correction>, IsdError> {
+        let Some((model, value)) = self.isd.optical_distortion.iter().next() else { return Ok(None) };
+        let coefficients = value.get("coefficients").and_then(|list| list.as_array()).cloned().unwrap_or_default();
+        let k: Vec<f64> = coefficients.iter().filter_map(serde_json::Value::as_f64).collect();
+        if k.iter().all(|k| *k == 0.0) {
+            return Ok(None);
+        }
+        let f2 = focal_mm * focal_mm;
+        match (model.as_str(), &k[..]) {
+            ("radial", &[k0, k1, k2]) => Ok(Some(Correction::Radial([-k0, -k1 * f2, -k2 * f2 * f2, 0.0]))),
+            ("lrolrocnac", &[k, ..]) => Ok(Some(Correction::AcrossTrack(k * f2))),
+            _ => Err(self.value("optical_distortion", model, "radial with 3 coefficients, or lrolrocnac with 1")),
+        }
+    }
+
+    fn body(&self) -> Result<Body, IsdError> {
+        let Radii { semimajor, semiminor, unit } = &self.isd.radii;
+        let unit_m = self.unit_m("radii.unit", unit)?;
+        let (equatorial_radius_m, polar_radius_m) = (semimajor * unit_m, semiminor * unit_m);
+        if !(1.0..=1e9).contains(&equatorial_radius_m) || !(1.0..=1e9).contains(&polar_radius_m) {
+            return Err(self.value("radii", format!("{equatorial_radius_m} m, {polar_radius_m} m"), "[1, 1e9] m"));
+        }
+        let moon = Body::moon();
+        let is_moon = (equatorial_radius_m, polar_radius_m) == (moon.equatorial_radius_m, moon.polar_radius_m);
+        Ok(if is_moon { moon } else { Body { name: "body".into(), naif_id: 0, equatorial_radius_m, polar_radius_m } })
+    }
+
+    /// Body-fixed.
+    fn position_m(&self, time: f64) -> Result<DVec3, IsdError> {
+        let positions = &self.isd.instrument_position;
+        Ok(self.isd.body_rotation.at(time)
+            * (positions.at(time) * self.unit_m("instrument_position.unit", &positions.unit)?))
+    }
+
+    fn body_from_sensor(&self, time: f64) -> DMat3 {
+        self.isd.body_rotation.at(time) * self.isd.instrument_pointing.at(time).transpose()
+    }
+}
+
+impl Positions {
+    /// Lagrange's polynomial through the neighbours.
+    fn at(&self, time: f64) -> DVec3 {
+        let (times, count) = (&self.ephemeris_times, self.positions.len().min(NEIGHBOURS));
+        if self.positions.len() == 1 {
+            return self.positions[0].into();
+        }
+        let after = times.partition_point(|t| *t < time);
+        let first = after.saturating_sub(count / 2).min(self.positions.len() - count);
+        let chosen = first..first + count;
+        let weight = |i: usize| {
+            let others = chosen.clone().filter(|j| *j != i);
+            others.map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>()
+        };
+        chosen.clone().map(|i| weight(i) * DVec3::from(self.positions[i])).sum()
+    }
+}
+
+impl Turning {
+    fn at(&self, time: f64) -> DMat3 {
+        let quaternion = |i: usize| {
+            let [w, x, y, z] = self.quaternions[i];
+            DQuat::from_xyzw(x, y, z, w).normalize()
+        };
+        let turned = if self.quaternions.len() == 1 {
+            quaternion(0)
+        } else {
+            let times = &self.ephemeris_times;
+            let after = times.partition_point(|t| *t < time).clamp(1, times.len() - 1);
+            let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
+            let (a, b) = (quaternion(after - 1), quaternion(after));
+            a.slerp(if a.dot(b) < 0.0 { -b } else { b }, share).normalize()
+        };
+        let constant = self.constant_rotation.map_or(DMat3::IDENTITY, |rows| DMat3::from_cols_array(&rows).transpose());
+        constant * DMat3::from_quat(turned)
+    }
+}

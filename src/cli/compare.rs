@@ -1,0 +1,182 @@
+//! `sim compare`.
+
+use std::path::PathBuf;
+
+use perilune::compare::{Freedom, GeometrySource, Law, Model, Request, compare};
+use perilune::scenario;
+
+use super::bars::Bars;
+use super::run::Adapter;
+use super::{Outcome, about, say};
+
+/// Hold a mission photograph against a render of the same view.
+///
+/// The view is rendered with the true camera and the true Sun over the elevation models given, registered with the
+/// photograph, fitted photometrically and compared, at the coarser of the two resolutions. Terrain, pose and Sun are
+/// never touched. A page with pictures and JSON with the numbers are written.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The photograph: PNG, TIFF, ISIS cube, PDS3 or PDS4 image, whatever GDAL reads
+    photo: PathBuf,
+    /// Camera, pose and Sun: a frame as JSON, a CSM ISD (frame, line-scan, push-frame), or a scenario (.ron)
+    #[arg(long, value_name = "FILE")]
+    geometry: PathBuf,
+    /// Elevation model, the finest first; may be given several times. Default with a scenario: its own
+    #[arg(long, value_name = "FILE")]
+    dem: Vec<PathBuf>,
+    /// Albedo map. One that holds the photograph is refused
+    #[arg(long, value_name = "FILE")]
+    albedo: Option<PathBuf>,
+    /// Take the albedo map even if it holds the photograph; the report's first line says so
+    #[arg(long, requires = "albedo")]
+    force: bool,
+    /// Law of reflection [default: a scenario's own, else lunar-lambert]
+    #[arg(long, value_enum)]
+    photometry: Option<Photometry>,
+    /// How the image may be moved to meet the render
+    #[arg(long, value_enum, default_value_t)]
+    register: Registration,
+    /// What may lie between radiance and the photograph's numbers
+    #[arg(long, value_enum, default_value_t)]
+    fit: Fit,
+    /// Dark level of Jung's protocol, a share of the photograph's largest number, as in 0.027 (7/255)
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    dark: f64,
+    /// Compare at so many pixels along the longer side [default: as many as the elevation model resolves]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(32..=16384))]
+    size: Option<usize>,
+    /// Which exposure of a scenario, counted from 0
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    image: usize,
+    /// Band of the photograph, counted from 1, where there are several
+    #[arg(long, value_name = "N")]
+    band: Option<usize>,
+    /// Leave out the variants of the physics
+    #[arg(long)]
+    no_ablation: bool,
+    /// Directory of the report [default: output/compare/PHOTO]
+    #[arg(long, short, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Directory in which horizon tiles are kept for the next run
+    #[arg(long, value_name = "DIR", default_value = "output/cache")]
+    cache: PathBuf,
+    /// Directory in which a scenario's files are looked for, before `SIM_DATA`; may be given several times
+    #[arg(long, value_name = "DIR")]
+    data: Vec<PathBuf>,
+    /// Who renders
+    #[arg(long, value_enum, default_value_t)]
+    adapter: Adapter,
+    /// Print the numbers as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  sim compare AS15-M-0297_SML.png --geometry geometry.json --dem gld100_64ppd.tif
+  sim compare M1234567890LE.cub --geometry M1234567890LE.json --dem site_5m.tif --dem cap_240m.tif
+  sim compare exposure_0003.png --geometry lunar_descent.ron --image 3";
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Photometry {
+    Lambert,
+    LommelSeeliger,
+    LunarLambert,
+    Minnaert,
+    HapkeMoon,
+}
+
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Registration {
+    None,
+    Shift,
+    /// Shift, rotation and scale
+    #[default]
+    Similarity,
+}
+
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Fit {
+    None,
+    /// Gain and offset
+    #[default]
+    Gain,
+    /// A rising curve
+    Film,
+    /// Gain, offset and scattered light
+    Stray,
+}
+
+impl From<Photometry> for Law {
+    fn from(photometry: Photometry) -> Self {
+        match photometry {
+            Photometry::Lambert => Self::Lambert,
+            Photometry::LommelSeeliger => Self::LommelSeeliger,
+            Photometry::LunarLambert => Self::LunarLambert,
+            Photometry::Minnaert => Self::Minnaert,
+            Photometry::HapkeMoon => Self::HapkeMoon,
+        }
+    }
+}
+
+impl From<Registration> for Freedom {
+    fn from(registration: Registration) -> Self {
+        match registration {
+            Registration::None => Self::Nothing,
+            Registration::Shift => Self::Shift,
+            Registration::Similarity => Self::Similarity,
+        }
+    }
+}
+
+impl From<Fit> for Model {
+    fn from(fit: Fit) -> Self {
+        match fit {
+            Fit::None => Self::Nothing,
+            Fit::Gain => Self::Gain,
+            Fit::Film => Self::Film,
+            Fit::Stray => Self::Stray,
+        }
+    }
+}
+
+pub fn run(args: Args) -> Outcome {
+    let is_scenario = args.geometry.extension().is_some_and(|extension| extension == "ron");
+    let geometry = if is_scenario {
+        let scenario = Box::new(scenario::load(&args.geometry, &args.data, &about)?);
+        GeometrySource::Scenario { scenario, exposure: args.image }
+    } else {
+        GeometrySource::File(args.geometry)
+    };
+    let stem = args.photo.file_stem().unwrap_or_default().to_owned();
+    let request = Request {
+        photo: args.photo,
+        band: args.band,
+        geometry,
+        dems: args.dem,
+        albedo: args.albedo,
+        force: args.force,
+        law: args.photometry.map(Law::from),
+        freedom: args.register.into(),
+        model: args.fit.into(),
+        dark: args.dark,
+        pixels: args.size,
+        ablation: !args.no_ablation,
+        cache: args.cache,
+        adapter: args.adapter.into(),
+    };
+    let output = args.output.unwrap_or_else(|| PathBuf::from("output/compare").join(stem));
+    let bars = Bars::new();
+    let comparison = compare(&request, &bars)?;
+    bars.clear();
+    let files = comparison.write(&output)?;
+    if args.json {
+        return Ok(say(serde_json::to_string_pretty(&comparison.json())?)?);
+    }
+    say(comparison.text())?;
+    for file in files {
+        say(file.display())?;
+    }
+    Ok(())
+}

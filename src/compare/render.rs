@@ -1,0 +1,224 @@
+//! A photograph's view, rendered: the true camera over the elevation models, with the shadows asked for.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DQuat, DVec2, DVec3};
+
+use super::{Error, Geometry, Grid};
+use crate::camera::PosedCamera;
+use crate::geometry::{Body, BodyFixed, Position};
+use crate::gpu::{Adapter, Gpu};
+use crate::horizon::{self, Encoding};
+use crate::photometry::{Reflectance, SolarDisk};
+use crate::pipeline::{self, AdapterChoice, Progress, ground};
+use crate::render::passes::Passes;
+use crate::render::reference::Reference;
+use crate::render::{Image, Light, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
+use crate::scenario;
+use crate::terrain::{Ground, Hit, Surface, Terrain};
+
+/// What is rendered besides radiance, once.
+const GEOMETRIC: [Quantity; 6] = [
+    Quantity::Radiance,
+    Quantity::SunFraction,
+    Quantity::Incidence,
+    Quantity::Normal,
+    Quantity::Latitude,
+    Quantity::Longitude,
+];
+
+/// Relief that may cast shadows into the view from outside.
+const RELIEF_M: f64 = 10_000.0;
+/// How far beyond the view ground is looked for, at least and at most.
+const MARGIN_M: [f64; 2] = [20_000.0, 200_000.0];
+/// Sight lines that find the ground in view, along a side of the image.
+const PROBES: usize = 9;
+
+/// Elevation models that cover what the camera sees, and what casts shadows into it.
+pub fn footprint_terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenario::Terrain> {
+    let seen = footprint(&geometry.body, &geometry.camera);
+    let (first, last) = (*seen.first()?, *seen.last()?);
+    // The middle of what is seen.
+    let sum: DVec3 = seen.iter().map(|point| point.vector_m().normalize()).sum();
+    let middle = if sum.length() > 1e-6 { sum.normalize() } else { first.vector_m().lerp(last.vector_m(), 0.5) };
+    let radius_m = first.vector_m().length();
+    let angle = |point: &Position<BodyFixed>| point.vector_m().angle_between(middle);
+    let widest = seen.iter().map(angle).fold(0.0, f64::max).min(1.2);
+    let sun = geometry.lights.first()?.position.vector_m();
+    let lowest_rad = seen.iter().map(|point| std::f64::consts::FRAC_PI_2 - point.vector_m().angle_between(sun));
+    let lowest_rad = lowest_rad.fold(f64::INFINITY, f64::min);
+    let margin_m = (RELIEF_M / lowest_rad.max(1e-3).tan()).clamp(MARGIN_M[0], MARGIN_M[1]);
+    let extent_m = 2.0 * (radius_m * widest.tan() + margin_m);
+    let centre = geometry.body.geodetic_from_position(Position::from_m(middle * radius_m));
+    let file = |path: &PathBuf| scenario::Dem::File {
+        path: path.clone(),
+        values: scenario::Values::Auto,
+        posting_m: None,
+        extent_m: Some(extent_m),
+    };
+    let centre = Some(crate::geometry::Geodetic { height_m: 0.0, ..centre });
+    Some(scenario::Terrain { centre, dems: dems.iter().map(file).collect() })
+}
+
+/// Points of the bare body on sight lines over the whole image.
+fn footprint(body: &Body, camera: &PosedCamera) -> Vec<Position<BodyFixed>> {
+    let bare = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+    let size = DVec2::new(camera.columns() as f64, camera.rows() as f64);
+    let probe = |index: usize| {
+        let share = DVec2::new((index % PROBES) as f64, (index / PROBES) as f64) / (PROBES - 1) as f64;
+        let (position, direction) = camera.ray(share * (size - 1.0))?;
+        bare.intersect(position, direction).map(|hit| hit.position)
+    };
+    (0..PROBES * PROBES).filter_map(probe).collect()
+}
+
+/// Horizon maps of a surface, kept in `cache`.
+pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Result<Shadows, Error> {
+    let (settings, folder) = (horizon::Settings::default(), cache.join("horizon"));
+    let silent = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
+    Ok(Shadows::Fourier(ground::horizons(surface, &settings, Encoding::Fm16, &folder, progress, silent)?))
+}
+
+/// Ground, camera and lights, ready for trials.
+#[derive(Debug)]
+pub struct Studio {
+    scene: Scene,
+    views: Vec<View>,
+    up: DVec3,
+    gpu: Option<Gpu>,
+}
+
+/// What a trial may choose.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    pub name: String,
+    pub reflectance: Reflectance,
+    pub disk: SolarDisk,
+    /// Cast shadows; without them only a facet's own plane shades it.
+    pub shadows: bool,
+    /// The Sun's radius over its true one.
+    pub sun_radii: f64,
+    /// How the Sun is turned from its true place in the sky of the image's middle: azimuth (clockwise), elevation.
+    pub sun_turn_rad: [f64; 2],
+}
+
+/// Who looks, and by which light.
+#[derive(Debug, Clone, Copy)]
+pub struct Stage<'a> {
+    pub camera: &'a PosedCamera,
+    pub lights: &'a [Light],
+    /// The vertical in the image's middle.
+    pub up: DVec3,
+    /// Along a side of a pixel.
+    pub samples: usize,
+}
+
+impl Studio {
+    /// The scene is seen through the stage's camera.
+    pub fn new(stage: &Stage, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
+        // Traced shadows are the reference renderer's alone.
+        let traced = matches!(scene.shadows, Shadows::Traced(_));
+        let gpu = match adapter {
+            AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
+            AdapterChoice::Auto if !traced => Gpu::open(Adapter::Auto).ok(),
+            AdapterChoice::Auto | AdapterChoice::Cpu => None,
+        };
+        let view = |(index, pose): (usize, &crate::camera::Pose)| View {
+            exposure: index as u64,
+            camera_position: pose.position,
+            camera_from_body: pose.camera_from_body,
+            lights: stage.lights.to_vec(),
+        };
+        let views = stage.camera.poses.iter().enumerate().map(view).collect();
+        let scene = Scene { optics: stage.camera.optics.clone(), samples_per_side: stage.samples, ..scene };
+        Ok(Self { scene, views, up: stage.up, gpu })
+    }
+
+    pub fn adapter(&self) -> String {
+        self.gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe)
+    }
+
+    /// Every plane of the view as the trial has it; NaN off the elevation models.
+    pub fn whole(&mut self, trial: &Trial) -> Result<Planes, Error> {
+        self.scene.quantities = GEOMETRIC.to_vec();
+        self.render(trial)
+    }
+
+    /// Radiance alone, also of the bare body.
+    pub fn radiance(&mut self, trial: &Trial) -> Result<Grid, Error> {
+        self.scene.quantities = vec![Quantity::Radiance];
+        Ok(self.render(trial)?.grid("RADIANCE"))
+    }
+
+    fn turned(&self, sun: Position<BodyFixed>, [azimuth_rad, elevation_rad]: [f64; 2]) -> Position<BodyFixed> {
+        let across = sun.vector_m().cross(self.up).normalize_or_zero();
+        let risen = DQuat::from_axis_angle(across, elevation_rad) * sun.vector_m();
+        // Clockwise from above.
+        Position::from_m(DQuat::from_axis_angle(self.up, -azimuth_rad) * risen)
+    }
+
+    fn render(&mut self, trial: &Trial) -> Result<Planes, Error> {
+        (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
+        let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, Shadows::None));
+        let image = self.exposures(trial);
+        if let Some(shadows) = kept {
+            self.scene.shadows = shadows;
+        }
+        image
+    }
+
+    /// The exposures one below the other.
+    fn exposures(&self, trial: &Trial) -> Result<Planes, Error> {
+        let mut passes = self.gpu.as_ref().map(Passes::new);
+        let mut reference = Reference;
+        let renderer: &mut dyn Renderer = match &mut passes {
+            Some(passes) => passes,
+            None => &mut reference,
+        };
+        let mut whole: Option<Image> = None;
+        for view in &self.views {
+            let mut view = view.clone();
+            view.lights[0].angular_radius_rad *= trial.sun_radii;
+            view.lights[0].position = self.turned(view.lights[0].position, trial.sun_turn_rad);
+            let samples = renderer.samples(&self.scene, &view)?;
+            let mut part = planes::image(&self.scene, &view, &samples);
+            if self.scene.needs_centres() {
+                let on_terrain = |hit: &Option<Hit>| hit.is_some_and(|hit| matches!(hit.ground, Ground::Dem { .. }));
+                mask(&mut part, &samples.centres.iter().map(on_terrain).collect::<Vec<_>>());
+            }
+            match &mut whole {
+                None => whole = Some(part),
+                Some(whole) => append(whole, part),
+            }
+        }
+        Ok(Planes { image: whole.expect("a camera has a pose") })
+    }
+}
+
+fn mask(image: &mut Image, on_terrain: &[bool]) {
+    for plane in &mut image.planes {
+        let off = plane.values.iter_mut().zip(on_terrain).filter(|(_, on)| !**on);
+        off.for_each(|(value, _)| *value = f32::NAN);
+    }
+}
+
+fn append(whole: &mut Image, part: Image) {
+    whole.rows += part.rows;
+    for (plane, more) in whole.planes.iter_mut().zip(part.planes) {
+        plane.values.extend(more.values);
+    }
+}
+
+/// Rendered planes by name.
+#[derive(Debug, Clone)]
+pub struct Planes {
+    image: Image,
+}
+
+impl Planes {
+    pub fn grid(&self, name: &str) -> Grid {
+        let plane: &Plane =
+            self.image.planes.iter().find(|plane| plane.name == name).expect("a plane that was asked for");
+        Grid::from_f32(self.image.columns, self.image.rows, &plane.values)
+    }
+}

@@ -1,0 +1,104 @@
+//! Sums over pairs of values.
+
+/// Pearson's correlation; NaN where one of the two is the same everywhere.
+pub fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let (count, [a_mean, b_mean]) = means(pairs.clone());
+    if count < 2.0 {
+        return f64::NAN;
+    }
+    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a - a_mean, b - b_mean);
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+    }
+    ab / (aa.sqrt() * bb.sqrt())
+}
+
+fn means(pairs: impl Iterator<Item = (f64, f64)>) -> (f64, [f64; 2]) {
+    let (count, a, b) = pairs.fold((0.0, 0.0, 0.0), |(n, a, b), (x, y)| (n + 1.0, a + x, b + y));
+    (count, [a / count, b / count])
+}
+
+/// Slope and intercept of `b` over `a` by least squares; slope 0 where `a` is the same everywhere.
+pub fn line(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> [f64; 2] {
+    let (_, [a_mean, b_mean]) = means(pairs.clone());
+    let (mut aa, mut ab) = (0.0, 0.0);
+    for (a, b) in pairs {
+        aa += (a - a_mean).powi(2);
+        ab += (a - a_mean) * (b - b_mean);
+    }
+    let slope = if aa > 0.0 { ab / aa } else { 0.0 };
+    [slope, b_mean - slope * a_mean]
+}
+
+/// Standard deviation about the mean, and that mean.
+pub fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let (count, sum) = values.clone().fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v));
+    let mean = sum / count;
+    ((values.map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt(), mean)
+}
+
+/// The value below which a share of all lies; NaN of nothing.
+pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let rank = ((values.len() - 1) as f64 * share).round() as usize;
+    *values.select_nth_unstable_by(rank, f64::total_cmp).1
+}
+
+/// Gaussian elimination with row pivoting; `None` where the matrix is singular.
+pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
+    let largest = matrix.iter().flatten().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    for column in 0..N {
+        let size = |row: &usize| matrix[*row][column].abs();
+        let pivot = (column..N).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        if !(matrix[pivot][column].abs() > 1e-14 * largest) {
+            return None;
+        }
+        matrix.swap(column, pivot);
+        right.swap(column, pivot);
+        for row in column + 1..N {
+            let factor = matrix[row][column] / matrix[column][column];
+            for k in column..N {
+                matrix[row][k] -= factor * matrix[column][k];
+            }
+            right[row] -= factor * right[column];
+        }
+    }
+    let mut solution = [0.0; N];
+    for row in (0..N).rev() {
+        let known: f64 = (row + 1..N).map(|k| matrix[row][k] * solution[k]).sum();
+        solution[row] = (right[row] - known) / matrix[row][row];
+    }
+    Some(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_found_and_correlates() {
+        let pairs = || (0..10).map(|i| (f64::from(i), 3.0 - 2.0 * f64::from(i)));
+        let [slope, intercept] = line(pairs());
+        assert!((slope + 2.0).abs() < 1e-12 && (intercept - 3.0).abs() < 1e-12);
+        assert!((correlation(pairs()) + 1.0).abs() < 1e-12);
+        assert!(correlation((0..10).map(|i| (1.0, f64::from(i)))).is_nan());
+    }
+
+    #[test]
+    fn equations_with_a_zero_pivot_are_solved_and_singular_ones_are_not() {
+        let solution = solve([[0.0, 2.0, 1.0], [1.0, 0.0, 0.0], [3.0, 0.0, 1.0]], [5.0, 1.0, 4.0]).unwrap();
+        assert!(solution.iter().zip([1.0, 2.0, 1.0]).all(|(got, expected)| (got - expected).abs() < 1e-14));
+        assert_eq!(solve([[1.0, 2.0], [2.0, 4.0]], [1.0, 2.0]), None);
+    }
+
+    #[test]
+    fn quantiles_are_values() {
+        assert_eq!(quantile(vec![4.0, 1.0, 3.0, 2.0, 5.0], 0.5), 3.0);
+        assert!(quantile(vec![], 0.5).is_nan());
+    }
+}

@@ -1,0 +1,317 @@
+//! A photograph held against its render, from files to numbers.
+//!
+//! ```text
+//! photograph, geometry, DEMs -> resolution -> render -> registration -> photometric fit -> numbers, edges, ablation
+//! ```
+//!
+//! Both are compared at the coarser of their resolutions: the photograph is averaged over areas until its pixels are as
+//! large on the ground as the elevation model's posting, and both are smoothed by the [`SLOPE_SIGMA`] postings
+//! over which the model's slopes are means. The render has the photograph's pixels, or larger ones up to a third of
+//! those compared, and is reduced as the photograph is: a render compared with itself differs by nothing.
+//!
+//! # Assumptions
+//! The Sun's distance and the poses stand still during an exposure. The border of [`BORDER`] of the image, with its
+//! fiducial marks and what a shift brings in, does not count.
+
+use std::path::PathBuf;
+
+use glam::{DVec2, DVec3};
+
+use super::ablation::{self, Row};
+use super::edges::{self, Confusion, Displacement};
+use super::numbers::Numbers;
+use super::photometric::{Model, Response};
+use super::prepare::{Prepared, no_ground, prepared};
+use super::profile::{self, Bin, Profile};
+use super::register::{Registration, register_detail, warped};
+use super::render::{Planes, Stage, Studio, Trial};
+use super::request::{GeometrySource, Law, Request};
+use super::{Error, Geometry, Grid, provenance};
+use crate::camera::PosedCamera;
+use crate::geometry::{BodyFixed, Position};
+use crate::pipeline::{Progress, ground};
+use crate::raster::Picture;
+use crate::scenario;
+use crate::terrain::{Ground, Surface};
+
+/// Standard deviation of what a slope of the elevation model averages over, in postings: central differences span two
+/// of them, `(2²)/12`, and are interpolated over a tent, `1/6`; the root of the sum.
+pub const SLOPE_SIGMA: f64 = 0.707;
+/// Rendered pixels along a compared one, at most.
+const FINER: f64 = 3.0;
+/// Width of the border that does not count, over the image's sides.
+pub const BORDER: f64 = 0.03;
+/// Standard deviation of the Gaussian that the high-pass takes away, over the longer side.
+pub const HIGH_PASS: f64 = 1.0 / 16.0;
+
+/// All that a report tells.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    pub photo_name: String,
+    pub geometry: String,
+    pub adapter: String,
+    pub dems: Vec<String>,
+    pub law: String,
+    pub model: Model,
+    pub albedo: AlbedoSource,
+    pub resolution: Resolution,
+    pub registration: Registration,
+    pub response: Response,
+    pub numbers: Numbers,
+    /// Every photometric model with its fit.
+    pub responses: Vec<(Model, Response, Numbers)>,
+    pub confusion: Option<Confusion>,
+    pub displacement: Option<Displacement>,
+    pub ablation: Vec<Row>,
+    /// Where the photograph has the Sun.
+    pub sun: Option<ablation::Sun>,
+    pub by_incidence: Vec<Bin>,
+    pub by_slope: Vec<Bin>,
+    pub profiles: Vec<Profile>,
+    /// The photograph, the registered render as the photograph would show it, and the share of the Sun seen.
+    pub photo: Grid,
+    pub fitted: Grid,
+    pub sun_fraction: Grid,
+}
+
+/// Where the ground's brightness comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AlbedoSource {
+    Constant,
+    Map(String),
+    /// Forced: the map holds the photograph, for this reason.
+    HoldsPhoto {
+        map: String,
+        reason: String,
+    },
+}
+
+/// At what the two were compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    pub photo_px: [usize; 2],
+    pub photo_pixel_m: f64,
+    pub posting_m: f64,
+    pub compared_px: [usize; 2],
+    pub compared_pixel_m: f64,
+    pub high_pass_px: f64,
+    /// Distance of the ground in the middle of the image.
+    pub range_m: f64,
+}
+
+/// Compares a photograph with its render.
+pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison, Error> {
+    let albedo = check_albedo(request)?;
+    let picture = Picture::open(&request.photo, request.band)?;
+    let main = main_trial(request)?;
+    let Prepared { geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
+    let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
+    let camera = geometry.camera.coarser(resolution.render_factor())?;
+    let sky = Sky::of(&geometry, &camera, &scene.surface).ok_or_else(|| no_ground(request, &geometry))?;
+    let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
+    let mut studio = Studio::new(&stage, scene, request.adapter)?;
+
+    progress.begin("rendering", 1, "image");
+    let planes = studio.whole(&main)?;
+    progress.at(1, 1);
+    let seen = |image: Grid| resolution.seen(image);
+    let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
+    let border = |side: usize| (BORDER * side as f64).ceil() as usize;
+    let photo = seen(photo);
+    let photo = photo.without_border(border(photo.columns), border(photo.rows));
+    let radiance = seen(planes.grid("RADIANCE"));
+    let high_pass_px = resolution.high_pass_px;
+    let registration = register_detail(&photo, &radiance, high_pass_px, request.freedom)?;
+    let moved = |image: &Grid| warped(image, &registration.motion);
+    let render = moved(&radiance);
+    let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
+
+    let fit = |model: Model| {
+        let response = Response::fit(model, &photo, &render);
+        let fitted = response.apply(&render);
+        let numbers = Numbers::of(&photo, &render, &fitted, high_pass_px, request.dark);
+        (model, response, numbers, fitted)
+    };
+    let (model, response, numbers, fitted) = fit(request.model);
+    let responses = Model::ALL.map(fit).map(|(model, response, numbers, _)| (model, response, numbers)).to_vec();
+    let threshold = edges::threshold(&photo, &sun_fraction);
+    let confusion = threshold.map(|threshold| edges::confusion(&photo, &sun_fraction, threshold));
+    let pixel_m = resolution.compared_pixel_m;
+    let displacement =
+        threshold.map(|threshold| edges::displacement(&photo, &sun_fraction, threshold, sky.towards_sun, pixel_m));
+    let [incidence, slope] =
+        [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
+    let setting = ablation::Setting {
+        photo: &photo,
+        radiance: &radiance,
+        resolution: &resolution,
+        freedom: request.freedom,
+        model: request.model,
+    };
+    let (ablation, sun) = match request.ablation {
+        true => {
+            let rows = ablation::run(&mut studio, &main, &setting, progress)?;
+            (rows, Some(ablation::sun(&mut studio, &main, &setting, progress)?))
+        }
+        false => (Vec::new(), None),
+    };
+    Ok(Comparison {
+        photo_name: ground::file_name(&request.photo),
+        geometry: geometry.source,
+        adapter: studio.adapter(),
+        dems: inputs.iter().map(|input| format!("{} (SHA-256 {})", input.name, input.sha256)).collect(),
+        law: main.name,
+        model,
+        albedo,
+        resolution,
+        numbers,
+        responses,
+        confusion,
+        displacement,
+        ablation,
+        sun,
+        by_incidence: profile::binned(&photo, &fitted, &incidence, 5.0),
+        by_slope: profile::binned(&photo, &fitted, &slope, 2.5),
+        profiles: profile::across_shadows(&photo, &fitted, &sun_fraction, sky.towards_sun),
+        registration,
+        response,
+        photo,
+        fitted,
+        sun_fraction,
+    })
+}
+
+fn main_trial(request: &Request) -> Result<Trial, Error> {
+    match (&request.geometry, request.law) {
+        (_, Some(law)) => Trial::of(law),
+        (GeometrySource::Scenario { scenario, .. }, None) => Trial::of_scenario(scenario),
+        (GeometrySource::File(_), None) => Trial::of(Law::LunarLambert),
+    }
+}
+
+/// The map given, or the scenario's.
+fn albedo_map(request: &Request) -> Option<PathBuf> {
+    let own = match &request.geometry {
+        GeometrySource::Scenario { scenario, .. } => match &scenario.albedo {
+            scenario::Albedo::Map(path) => Some(path.clone()),
+            scenario::Albedo::Constant(_) => None,
+        },
+        GeometrySource::File(_) => None,
+    };
+    request.albedo.clone().or(own)
+}
+
+/// Samples along a side of a rendered pixel: a scenario's own, else about three along a compared one.
+fn samples(request: &Request, resolution: &Resolution) -> usize {
+    match &request.geometry {
+        GeometrySource::Scenario { scenario, .. } => scenario.camera.samples_per_pixel.isqrt() as usize,
+        GeometrySource::File(_) => (FINER * resolution.render_factor() / resolution.factor()).round().max(1.0) as usize,
+    }
+}
+
+impl Resolution {
+    /// A compared pixel over the photograph's.
+    fn factor(&self) -> f64 {
+        self.compared_pixel_m / self.photo_pixel_m
+    }
+
+    /// A rendered pixel over the photograph's: its own where that is affordable, so that both are reduced alike.
+    fn render_factor(&self) -> f64 {
+        (self.factor() / FINER).max(1.0)
+    }
+
+    pub fn reduced(&self, image: Grid) -> Grid {
+        image.reduced(self.compared_px[0], self.compared_px[1])
+    }
+
+    /// Reduced and smoothed to what both can show.
+    pub fn seen(&self, image: Grid) -> Grid {
+        self.reduced(image).blurred(SLOPE_SIGMA * self.posting_m / self.compared_pixel_m)
+    }
+}
+
+/// Refuses a map that holds the photograph, before any work.
+fn check_albedo(request: &Request) -> Result<AlbedoSource, Error> {
+    let Some(albedo) = albedo_map(request) else { return Ok(AlbedoSource::Constant) };
+    let map = provenance::source(&albedo)?;
+    match provenance::holds(&albedo, &request.photo)? {
+        None => Ok(AlbedoSource::Map(map)),
+        Some(reason) if request.force => Ok(AlbedoSource::HoldsPhoto { map, reason }),
+        Some(reason) => Err(Error::AlbedoHoldsPhoto { albedo, reason }),
+    }
+}
+
+/// The coarser of the photograph's and the elevation model's resolution in the middle of the image.
+fn resolution(
+    request: &Request,
+    picture: &Picture,
+    geometry: &Geometry,
+    surface: &Surface,
+) -> Result<Resolution, Error> {
+    let middle = middle(&geometry.camera);
+    let (hit, _) = look(&geometry.camera, surface, middle).ok_or_else(|| no_ground(request, geometry))?;
+    let next = look(&geometry.camera, surface, middle + DVec2::X).map_or(hit.position, |(hit, _)| hit.position);
+    let photo_pixel_m = hit.position.distance_m(next);
+    let posting_m = match hit.ground {
+        Ground::Dem { face, level, .. } => surface.terrain.faces[face].levels[level].posting_m,
+        Ground::Bare | Ground::Gap => return Err(no_ground(request, geometry)),
+    };
+    let longer = picture.columns.max(picture.rows) as f64;
+    let factor = request.pixels.map_or(posting_m / photo_pixel_m, |pixels| longer / pixels as f64).max(1.0);
+    let camera = geometry.camera.coarser(factor)?;
+    let compared_px = [camera.columns(), camera.rows()];
+    Ok(Resolution {
+        photo_px: [picture.columns, picture.rows],
+        photo_pixel_m,
+        posting_m,
+        compared_px,
+        compared_pixel_m: photo_pixel_m * factor,
+        high_pass_px: HIGH_PASS * compared_px[0].max(compared_px[1]) as f64,
+        range_m: hit.distance_m,
+    })
+}
+
+fn middle(camera: &PosedCamera) -> DVec2 {
+    (DVec2::new(camera.columns() as f64, camera.rows() as f64) / 2.0).floor()
+}
+
+fn look(camera: &PosedCamera, surface: &Surface, pixel: DVec2) -> Option<(crate::terrain::Hit, Position<BodyFixed>)> {
+    let (position, direction) = camera.ray(pixel)?;
+    surface.intersect(position, direction).map(|hit| (hit, position))
+}
+
+/// The middle of the image: its vertical, and the Sun in it.
+struct Sky {
+    up: DVec3,
+    /// The unit vector of the image along which the ground comes nearer to the Sun.
+    towards_sun: DVec2,
+}
+
+impl Sky {
+    fn of(geometry: &Geometry, camera: &PosedCamera, surface: &Surface) -> Option<Self> {
+        let (hit, _) = look(camera, surface, middle(camera))?;
+        let pose = &camera.poses[camera.poses.len() / 2];
+        let here = hit.position.vector_m();
+        let up = here.normalize();
+        let sun = (geometry.lights[0].position.vector_m() - here).normalize();
+        let ahead = sun.reject_from(up).try_normalize()?;
+        let pixel = |point: DVec3| {
+            let direction = pose.position.direction_to(Position::from_m(point))?;
+            camera.optics.pixel(pose.camera_from_body * direction)
+        };
+        let step_m = 1e-3 * hit.distance_m;
+        Some(Self { up, towards_sun: (pixel(here + step_m * ahead)? - pixel(here)?).try_normalize()? })
+    }
+}
+
+/// Angle of the ground with the spheroid's horizontal plane, in degrees.
+fn slope(planes: &Planes, geometry: &Geometry) -> Grid {
+    let [x, y, z, latitude, longitude] =
+        ["NORMAL.X", "NORMAL.Y", "NORMAL.Z", "LATITUDE", "LONGITUDE"].map(|name| planes.grid(name));
+    let value = |i: usize| {
+        let normal = DVec3::new(x.values[i], y.values[i], z.values[i]);
+        let place = crate::geometry::Geodetic::from_degrees(latitude.values[i], longitude.values[i], 0.0);
+        if normal.is_nan() { f64::NAN } else { normal.angle_between(geometry.body.up(place).unit()).to_degrees() }
+    };
+    Grid::new(x.columns, x.rows, (0..x.values.len()).map(value).collect())
+}

@@ -1,0 +1,79 @@
+//! A render held against itself, and albedo maps that hold the photograph.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::cli::run::{Run, SMALL};
+
+fn rendered() -> Run {
+    let scenario = SMALL.replace("planes: [radiance, sun_fraction, depth, dem_gap]", "planes: [radiance], tiff: true");
+    let run = Run::of(&scenario);
+    run.succeed(&["--frames", "0..1"]);
+    run
+}
+
+fn compare(run: &Run, photo: &Path, more: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim"));
+    command.arg("compare").arg(photo).arg("--geometry").arg(run.path("small.ron"));
+    command.arg("--output").arg(run.path("report")).arg("--cache").arg(run.path("cache")).args(["--adapter", "cpu"]);
+    command.args(more).output().unwrap()
+}
+
+fn tiff(run: &Run) -> PathBuf {
+    let files = std::fs::read_dir(run.path("out")).unwrap().map(|entry| entry.unwrap().path());
+    let tiffs =
+        files.filter(|path| path.extension().is_some_and(|extension| extension == "tif" || extension == "tiff"));
+    tiffs.into_iter().next().expect("the run wrote a TIFF")
+}
+
+#[test]
+fn a_render_compared_with_itself_differs_by_exactly_nothing() {
+    let run = rendered();
+    let output = compare(&run, &tiff(&run), &["--fit", "none", "--json", "--no-ablation"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for pointer in [
+        "/numbers/rms",
+        "/numbers/residual_sigma",
+        "/numbers/flip",
+        "/registration/motion/shift_px/0",
+        "/registration/motion/shift_px/1",
+        "/registration/motion/rotation_rad",
+        "/registration/motion/scale",
+        "/registration/sigma/scale",
+    ] {
+        assert_eq!(json.pointer(pointer).unwrap(), 0.0, "{pointer}");
+    }
+    assert_eq!(json.pointer("/fair").unwrap(), true);
+    for file in ["compare.html", "compare.json", "compare.photograph.png", "compare.difference.png"] {
+        assert!(run.path("report").join(file).is_file(), "{file}");
+    }
+}
+
+/// The photograph itself as albedo, by content, is refused before any work; forced, the first line says so.
+#[test]
+fn an_albedo_map_that_is_the_photograph_is_refused() {
+    let run = rendered();
+    let copy = run.path("map.tif");
+    std::fs::copy(tiff(&run), &copy).unwrap();
+    let output = compare(&run, &tiff(&run), &["--albedo", copy.to_str().unwrap()]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        !output.status.success() && message.contains("it is the same file") && message.contains("--force"),
+        "{message}"
+    );
+    assert!(!run.path("report").exists());
+}
+
+#[test]
+fn a_photograph_of_another_size_is_refused() {
+    let run = rendered();
+    let other = run.path("other.png");
+    image::GrayImage::from_pixel(50, 40, image::Luma([9])).save(&other).unwrap();
+    let output = compare(&run, &other, &[]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("has 50 x 40 pixels, its geometry is for 64 x 64"), "{message}");
+    let output = compare(&run, &tiff(&run), &["--image", "9"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("--image 9 names no exposure") && message.contains("4, counted from 0"), "{message}");
+}
