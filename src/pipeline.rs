@@ -35,8 +35,8 @@ use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{DeviceGround, Renderer, Scene, Shadows};
-use crate::scenario::{self, Albedo, Scenario};
-use crate::shadow::Baked;
+use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
+use crate::shadow::{Baked, Multiscale};
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -161,17 +161,30 @@ pub fn scene(
         let silent = |_: &ground::Tile| Ok::<_, Error>(());
         ground::horizons(&ground.surface, &settings, encoding, &folder, progress, silent)
     };
-    let shadows = match scenario.shadows {
+    let terrain = &ground.surface.terrain;
+    let shadows = match &scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
+        scenario::Shadows::MaximumMipmaps { runs, cost } => Shadows::Mipmaps(scene::mipmaps(terrain, runs, *cost)),
+        &scenario::Shadows::Multiscale { level_step, level_offset, swath_deg } => {
+            Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
+        }
+    };
+    let ambient = match &scenario.ambient {
+        None => None,
+        Some(Ambient { sky: Sky::Horizons, .. }) if shadows.maps().is_none() => {
+            scene::ambient(scenario, &ground.surface, &maps(settings)?)
+        }
+        Some(_) => scene::ambient(scenario, &ground.surface, shadows.maps().unwrap_or_default()),
     };
     Ok(Scene {
         surface: ground.surface.clone(),
         shadows,
         reflectance: scene::reflectance(scenario)?,
         albedo,
+        ambient,
         disk: scene::disk(scenario)?,
         optics: scene::optics(scenario)?,
         detector: scene::detector(scenario)?,

@@ -21,13 +21,15 @@ use super::statistics::Errors;
 use super::{Error, Machine, Report, Table, Value};
 use crate::ephemeris::{horizontal, utc_text};
 use crate::gpu::{Adapter, Gpu};
+use crate::horizon::HorizonMap;
 use crate::pipeline::{self, Prepared, Progress};
 use crate::render::passes::Passes;
 use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use crate::scenario::{self, Scenario};
-use crate::terrain::Ground;
+use crate::shadow::{Baked, Cost, Mipmaps, Multiscale};
+use crate::terrain::{Ground, Terrain};
 
 /// What to compare.
 #[derive(Debug, Clone)]
@@ -142,8 +144,22 @@ struct Trial {
     samples: Samples,
     /// From the renderer's call to its samples in memory; buffers were uploaded before.
     seconds: f64,
+    /// The same of the first image, which uploads the terrain and finds skylines.
+    first_seconds: Option<f64>,
     device_seconds: Option<f64>,
 }
+
+/// What the others are tried with, by name: each is made when its turn comes.
+type Method = (&'static str, fn(&Terrain, Vec<Vec<HorizonMap>>) -> Shadows);
+
+const METHODS: [Method; 6] = [
+    ("baked", |_, maps| Shadows::Baked(Baked(maps))),
+    ("mipmaps 5 5 5", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5], cost: Cost::Height })),
+    ("mipmaps 5 5 5 3", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5, 3], cost: Cost::Height })),
+    ("mipmaps all", |terrain, _| Shadows::Mipmaps(Mipmaps::reaching(terrain, Cost::Height))),
+    ("mipmaps by slope", |terrain, _| Shadows::Mipmaps(Mipmaps::reaching(terrain, Cost::Slope))),
+    ("multiscale", |terrain, _| Shadows::Towards(Box::new(Multiscale::new(terrain, 4, 2.0, 2f64.to_radians())))),
+];
 
 /// The truth, then all others.
 fn render_all(
@@ -154,31 +170,44 @@ fn render_all(
 ) -> Result<(Trial, Vec<Trial>), Error> {
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
     let mut trials = Vec::new();
-    progress.begin("rendering", 5, "images");
+    let images = 5 + METHODS.len();
+    progress.begin("rendering", images, "images");
+    let mut maps = scene.shadows.maps().unwrap_or_default().to_vec();
     for method in ["fourier", "none"] {
         if let Some(gpu) = &gpu {
-            let mut passes = Passes::new(gpu);
-            // The first image uploads the terrain.
-            passes.samples(&scene, view)?;
-            trials.push(trial(format!("{method}, device"), &mut passes, &scene, view)?);
+            trials.push(on_device(method, gpu, &scene, view)?);
         }
         trials.push(trial(format!("{method}, reference"), &mut Reference, &scene, view)?);
         scene.shadows = Shadows::None;
-        progress.at(trials.len(), 5);
+        progress.at(trials.len(), images);
+    }
+    for (method, shadows) in METHODS {
+        let Some(gpu) = &gpu else { break };
+        scene.shadows = shadows(&scene.surface.terrain, std::mem::take(&mut maps));
+        trials.push(on_device(method, gpu, &scene, view)?);
+        progress.at(trials.len(), images);
     }
     scene.shadows = Shadows::Traced(traced);
     // Asks for the hits of the pixels' centres.
     scene.quantities = vec![Quantity::DemGap];
     let truth = trial("traced, reference".into(), &mut Reference, &scene, view)?;
-    progress.at(5, 5);
+    progress.at(images, images);
     Ok((truth, trials))
+}
+
+/// The second of two images.
+fn on_device(method: &str, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Trial, Error> {
+    let mut passes = Passes::new(gpu);
+    let first = trial(String::new(), &mut passes, scene, view)?;
+    let second = trial(format!("{method}, device"), &mut passes, scene, view)?;
+    Ok(Trial { first_seconds: Some(first.seconds), ..second })
 }
 
 fn trial(method: String, renderer: &mut dyn Renderer, scene: &Scene, view: &View) -> Result<Trial, Error> {
     let start = Instant::now();
     let samples = renderer.samples(scene, view)?;
     let device_seconds = renderer.device_time().map(|time| time.as_secs_f64());
-    Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), device_seconds })
+    Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), first_seconds: None, device_seconds })
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -212,6 +241,7 @@ fn report(
             ("penumbra max", ""),
             ("time", "s"),
             ("device", "s"),
+            ("first image", "s"),
         ],
     );
     let mut pictures = Vec::new();
@@ -223,14 +253,14 @@ fn report(
         let errors = [all.mean, all.rms, all.p99, all.max, penumbra.mean, penumbra.rms, penumbra.p99, penumbra.max];
         let mut row = vec![Value::Text(trial.method.clone())];
         row.extend(shares.into_iter().chain(errors).chain([trial.seconds]).map(Value::from));
-        row.push(trial.device_seconds.into());
+        row.extend([trial.device_seconds, trial.first_seconds].map(Value::from));
         methods.rows.push(row);
         points.push(Curve { name: trial.method.clone(), points: vec![[trial.seconds, all.rms]], joined: false });
         pictures.push(picture(scenario, truth, trial, ground)?);
     }
     let mut row = vec![Value::Text(truth.method.clone()), 100.0.into()];
     row.extend([0.0; 10].map(Value::from));
-    row.extend([truth.seconds.into(), Value::Missing]);
+    row.extend([truth.seconds.into(), Value::Missing, Value::Missing]);
     methods.rows.push(row);
 
     let sky = horizontal(&prepared.frame.body, prepared.ground.centre, exposure.sun.direction);

@@ -8,7 +8,9 @@ use hifitime::Epoch;
 use super::spec;
 use crate::geometry::{Body, Geodetic};
 
-pub use super::spec::{Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, Shadows, Values};
+pub use super::spec::{
+    Ambient, Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, RunCost, Shadows, Sky, Values,
+};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +36,8 @@ pub struct Scenario {
     pub sun: Sun,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
+    /// `None`: a black sky.
+    pub ambient: Option<Ambient>,
     pub trajectory: Trajectory,
     pub pointing: Pointing,
     pub camera: Camera,

@@ -5,11 +5,16 @@
 
 mod baked;
 mod fourier;
+mod mipmaps;
+mod multiscale;
+pub mod sky;
 pub mod skylines;
 mod traced;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use mipmaps::{Cost, MipmapRuns, Mipmaps};
+pub use multiscale::{HeightPyramid, Multiscale};
 pub use skylines::{Fetched, HeldLight, Skylines, Towards};
 pub use traced::Traced;
 

@@ -5,8 +5,9 @@
 
 mod horizon;
 mod layout;
+mod mipmaps;
 mod photometry;
-mod render;
+pub mod render;
 pub mod scenarios;
 mod skylines;
 

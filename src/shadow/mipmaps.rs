@@ -1,0 +1,200 @@
+//! Soft shadows by dynamic programming over maximum mipmaps (Jung, Schrempf & Son 2020).
+//!
+//! Along the ray towards the light a *run* of `N'` mips looks for the point where the terrain comes closest to it. It
+//! begins with the interval of length `T`, the block of mip `N' − 1`; at each step `k` the maxima of three points
+//! half a block apart are compared, and the search goes on in the half interval behind the best of them, one mip finer:
+//!
+//! ```text
+//! T = 2^(N'−1) postings     m = N' − 1 − k     t ∈ {t_k, t_k − 2^(−k−1), t_k − 2^−k}     t_(k+1) = t* + 2^(−k−1)
+//! cost   J = H(t) − max h_m(t)   (Height, as published)      or   J/t   (Slope)
+//! ```
+//!
+//! The last step reads the surface itself. The next run begins where the last one ended; the steepest line of sight of
+//! all runs is the skyline, level across the disc (the paper's prism). `{5, 5, 5}` looks 48 postings far.
+//!
+//! # What differs from the paper
+//! - Heights are lifted: rays are straight and curvature is in them, so no step divides by a sphere.
+//! - The share of the disc is the disc integral of the whole program; equations 6 and 7 as printed cannot be right
+//!   (`d` leaves [−1, 1], and the segment is the lit one).
+//! - The first point lies one posting away: at `t = 0` every ray touches the ground.
+//! - Beyond a level's edge the next coarser one answers, by the mip whose blocks are not larger; beyond all runs lies the
+//!   bare sphere. Of a cube only the face of the point is looked at.
+//! - `Cost::Slope` is ours: the published cost takes a point nearby for the closest one wherever terrain far away fills a
+//!   part of the disc only, `0 < J < r t`.
+//!
+//! # Assumptions
+//! A block's maximum may lie beside the ray, and the search never turns back: see `tests/conformance/mipmaps.rs`. Filled
+//! gaps occlude as the surface that fills them.
+//!
+//! `mipmaps.wgsl` is the twin for devices.
+//!
+//! # References
+//! Jung, Schrempf & Son (2020), Optimally fast soft shadows on curved terrain with dynamic programming and maximum mipmaps.
+
+use std::borrow::Cow;
+
+use glam::{DVec2, DVec3};
+
+use super::skylines::line;
+use super::{Disc, Shadow, Site};
+use crate::photometry::{DiskLight, HorizonLine};
+use crate::terrain::{Level, Pyramid, Surface, Terrain};
+
+/// How runs go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mipmaps {
+    /// Mips `N'` of each run, the nearest run first: at most [`Self::RUNS`] of [`Self::MIPS`] each.
+    pub runs: Vec<u32>,
+    pub cost: Cost,
+}
+
+/// What a run minimises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cost {
+    /// Height of the ray above the terrain, as published.
+    Height,
+    /// That height over the distance.
+    Slope,
+}
+
+/// Room for rounding where a size is a power of two of a posting.
+const MIP_SLACK: f64 = 1e-3;
+
+/// Squared length of a light's map direction below which it stands in the zenith.
+const ZENITH: f64 = 1e-12;
+
+impl Mipmaps {
+    pub const RUNS: usize = 16;
+    pub const MIPS: u32 = 15;
+
+    /// Runs of doubling length after the first two, as far as the terrain reaches from its finest level.
+    pub fn reaching(terrain: &Terrain, cost: Cost) -> Self {
+        let reach = |levels: &[Level]| {
+            let (finest, outermost) = (levels.first()?, levels.last()?);
+            let (low, high) = outermost.seen_m();
+            Some((high - low).length() / finest.posting_m)
+        };
+        let reach = terrain.faces.iter().filter_map(|face| reach(&face.levels)).fold(0.0, f64::max);
+        let mut runs = vec![5, 5];
+        let mut reached = 32.0;
+        while reached < reach && runs[runs.len() - 1] < Self::MIPS {
+            let mips = runs[runs.len() - 1] + 1;
+            reached += f64::from(1u32 << (mips - 1));
+            runs.push(mips);
+        }
+        Self { runs, cost }
+    }
+
+    /// The `override` values of `mipmaps.wgsl`: four bits a run.
+    pub fn constants(&self) -> [(&'static str, f64); 3] {
+        let packed = |runs: &[u32]| {
+            let bits = runs.iter().zip((0..).step_by(4)).map(|(mips, shift)| mips << shift);
+            f64::from(bits.fold(0, |all, run| all | run))
+        };
+        let (first, second) = self.runs.split_at(self.runs.len().min(Self::RUNS / 2));
+        let by_slope = f64::from(u8::from(self.cost == Cost::Slope));
+        [("MIPMAP_RUNS_1", packed(first)), ("MIPMAP_RUNS_2", packed(second)), ("MIPMAP_SLOPE_COST", by_slope)]
+    }
+}
+
+/// Searches runs anew for each site.
+#[derive(Debug)]
+pub struct MipmapRuns<'a> {
+    method: &'a Mipmaps,
+    /// The seen parts of all levels, by face.
+    ground: Vec<Vec<Seen<'a>>>,
+}
+
+#[derive(Debug)]
+struct Seen<'a> {
+    level: Cow<'a, Level>,
+    pyramid: Cow<'a, Pyramid>,
+}
+
+impl<'a> MipmapRuns<'a> {
+    pub fn new(surface: &'a Surface, method: &'a Mipmaps) -> Self {
+        let seen = |(level, pyramid): (&'a Level, &'a Pyramid)| {
+            if level.margin == 0 {
+                return Seen { level: Cow::Borrowed(level), pyramid: Cow::Borrowed(pyramid) };
+            }
+            let level = level.seen();
+            Seen { pyramid: Cow::Owned(Pyramid::new(&level)), level: Cow::Owned(level) }
+        };
+        let faces = surface.terrain.faces.iter().zip(&surface.pyramids);
+        let ground = faces.map(|(face, pyramids)| face.levels.iter().zip(pyramids).map(seen).collect()).collect();
+        Self { method, ground }
+    }
+
+    /// The steepest line of sight that the runs find from a lifted point; `light_slope` is that of the ray.
+    fn slope(&self, levels: &[Seen], from: DVec3, towards: DVec2, light_slope: f64) -> f64 {
+        let posting_m = levels[0].level.posting_m;
+        let mut steepest = f64::NEG_INFINITY;
+        let mut start_m = posting_m;
+        for &mips in &self.method.runs {
+            let length_m = posting_m * f64::from(1u32 << (mips - 1));
+            let found = (0..mips).try_fold((1.0, f64::NEG_INFINITY), |(until, _), k| {
+                let half = 0.5f64.powi(k as i32 + 1);
+                let points = [0.0, 1.0, 2.0].map(|i| until - i * half);
+                let line = |t: f64| {
+                    let at_m = start_m + t * length_m;
+                    let high_m = highest_m(levels, from.truncate() + at_m * towards, 2.0 * half * length_m)?;
+                    let slope = (high_m - from.z) / at_m;
+                    let cost = if self.method.cost == Cost::Slope { -slope } else { (light_slope - slope) * at_m };
+                    Some((cost, t, slope))
+                };
+                // The first of equals, as on the device.
+                let best = points.into_iter().filter_map(line).reduce(|a, b| if b.0 < a.0 { b } else { a });
+                best.map(|(_, t, slope)| (t + half, slope))
+            });
+            steepest = steepest.max(found.map_or(f64::NEG_INFINITY, |(_, slope)| slope));
+            start_m += length_m;
+        }
+        steepest
+    }
+}
+
+/// The highest lifted height of the block of `size_m` about a map point, or the surface itself.
+fn highest_m(levels: &[Seen], at_m: DVec2, size_m: f64) -> Option<f64> {
+    let Seen { level, pyramid } = levels.iter().find(|seen| seen.level.sees(at_m))?;
+    let grid = level.grid_from_map(at_m);
+    let mip = ((size_m / level.posting_m).log2() + MIP_SLACK).floor().max(0.0) as usize;
+    if mip == 0 {
+        return level.bilinear_m(grid);
+    }
+    let mip = mip.min(pyramid.mips.len() - 1);
+    let (column, row) = level.cell(grid)?;
+    let blocks = &pyramid.mips[mip];
+    Some(f64::from(blocks.maxima_m[(row >> mip) * blocks.columns + (column >> mip)]))
+}
+
+impl Shadow for MipmapRuns<'_> {
+    fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
+        let (map, at_m) = (site.map, site.lifted.truncate());
+        let towards = map.map_direction(at_m, disc.axes.sun);
+        if towards.length_squared() < ZENITH {
+            return disc.disk.light(HorizonLine::NONE, disc.facet);
+        }
+        let towards = towards.normalize();
+        let sine = map.up(at_m).unit().dot(disc.axes.sun.unit()).clamp(-1.0, 1.0);
+        // The tangent is affine in the slope.
+        let [level, one] = [0.0, 1.0].map(|slope| map.elevation_tangent(site.lifted, towards, slope));
+        let light_slope = (sine.asin().tan() - level) / (one - level);
+        let slope = self.slope(&self.ground[site.face][site.level..], site.lifted, towards, light_slope);
+        let (x, h) = (at_m / map.radius_m, site.lifted.z / map.radius_m);
+        // r²/R² − 1 of the site; below the sphere the plain through its feet.
+        let above = ((x.length_squared() + h * (2.0 - h)) / ((1.0 - h) * (1.0 - h))).max(0.0);
+        let tangent = (level + (one - level) * slope).max(-above.sqrt());
+        line(site, disc, tangent.atan(), 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_packed_in_four_bits_each() {
+        let method = Mipmaps { runs: vec![5, 5, 5, 3, 1, 1, 1, 1, 15], cost: Cost::Height };
+        assert_eq!(method.constants().map(|(_, value)| value), [f64::from(0x1111_3555), 15.0, 0.0]);
+    }
+}
