@@ -1,30 +1,31 @@
 //! Soft shadows by dynamic programming over maximum mipmaps (Jung, Schrempf & Son 2020).
 //!
-//! Along the ray towards the light a *run* of `N'` mips looks for the point where the terrain comes closest to it. It
-//! begins with the interval of length `T`, the block of mip `N' − 1`; at each step `k` the maxima of three points
-//! half a block apart are compared, and the search goes on in the half interval behind the best of them, one mip finer:
+//! Along the ray towards the light a *run* of `N'` mips looks for the place where the terrain comes closest to it. It
+//! begins with the interval of length `T`. All blocks of a mip under the interval are compared (three, where the grid
+//! does not change), the interval becomes the ray's way over the best of them, and the search goes on one mip finer:
 //!
 //! ```text
-//! T = 2^(N'−1) postings     m = N' − 1 − k     t ∈ {t_k, t_k − 2^(−k−1), t_k − 2^−k}     t_(k+1) = t* + 2^(−k−1)
-//! cost   J = H(t) − max h_m(t)   (Height, as published)      or   J/t   (Slope)
+//! T = 2^(N'−1) postings     m = N' − 1, …, 1, 0
+//! cost = min over the block of H(t) − max h_m   (Height, as published)   or of (H(t) − max h_m)/t   (Slope)
 //! ```
 //!
-//! The last step reads the surface itself. The next run begins where the last one ended; the steepest line of sight of
-//! all runs is the skyline, level across the disc (the paper's prism). `{5, 5, 5}` looks 48 postings far.
+//! At mip 0 the surface itself is read. The next run begins where the last one ended; the steepest line of sight of
+//! all runs is the skyline, level across the disc (the paper's prism). `{5, 5, 5}` looks 48 postings far. Where the
+//! terrain does not change across the ray a run finds its skyline exactly.
 //!
 //! # What differs from the paper
 //! - Heights are lifted: rays are straight and curvature is in them, so no step divides by a sphere.
+//! - Blocks are visited by their footprint on the ray, as its section "Texel traversal" asks. The three points half a
+//!   block apart of its Algorithm 1 miss blocks: holes of light in the umbra of a plain step.
 //! - The share of the disc is the disc integral of the whole program; equations 6 and 7 as printed cannot be right
 //!   (`d` leaves [−1, 1], and the segment is the lit one).
-//! - The first point lies one posting away: at `t = 0` every ray touches the ground.
+//! - The first run begins one posting away: at `t = 0` every ray touches the ground.
 //! - Beyond a level's edge the next coarser one answers, by the mip whose blocks are not larger; beyond all runs lies the
 //!   bare sphere. Of a cube only the face of the point is looked at.
-//! - `Cost::Slope` is ours: the published cost takes a point nearby for the closest one wherever terrain far away fills a
-//!   part of the disc only, `0 < J < r t`.
 //!
 //! # Assumptions
-//! A block's maximum may lie beside the ray, and the search never turns back: see `tests/conformance/mipmaps.rs`. Filled
-//! gaps occlude as the surface that fills them.
+//! A block's maximum may lie beside the ray, and the search never turns back. Filled gaps occlude as the surface that
+//! fills them.
 //!
 //! `mipmaps.wgsl` is the twin for devices.
 //!
@@ -59,6 +60,12 @@ pub enum Cost {
 
 /// Room for rounding where a size is a power of two of a posting.
 const MIP_SLACK: f64 = 1e-3;
+
+/// How far inside a block its corners are passed by, in blocks: f32 cannot tell them apart.
+const NUDGE: f64 = 4e-3;
+
+/// Blocks under an interval, at most: three, and more where a coarser level has smaller ones.
+const BLOCKS: usize = 8;
 
 /// Squared length of a light's map direction below which it stands in the zenith.
 const ZENITH: f64 = 1e-12;
@@ -131,40 +138,73 @@ impl<'a> MipmapRuns<'a> {
         let mut steepest = f64::NEG_INFINITY;
         let mut start_m = posting_m;
         for &mips in &self.method.runs {
-            let length_m = posting_m * f64::from(1u32 << (mips - 1));
-            let found = (0..mips).try_fold((1.0, f64::NEG_INFINITY), |(until, _), k| {
-                let half = 0.5f64.powi(k as i32 + 1);
-                let points = [0.0, 1.0, 2.0].map(|i| until - i * half);
-                let line = |t: f64| {
-                    let at_m = start_m + t * length_m;
-                    let high_m = highest_m(levels, from.truncate() + at_m * towards, 2.0 * half * length_m)?;
-                    let slope = (high_m - from.z) / at_m;
-                    let cost = if self.method.cost == Cost::Slope { -slope } else { (light_slope - slope) * at_m };
-                    Some((cost, t, slope))
+            let end_m = start_m + posting_m * f64::from(1u32 << (mips - 1));
+            let whole = Way { ends_m: [start_m, end_m], slopes: [f64::NEG_INFINITY; 2] };
+            let found = (0..mips).rev().try_fold(whole, |way, mip| {
+                let size_m = posting_m * f64::from(1u32 << mip);
+                let cost = |way: &Way| match self.method.cost {
+                    Cost::Slope => -way.steepest(),
+                    Cost::Height => way.least(|at_m, slope| (light_slope - slope) * at_m),
                 };
                 // The first of equals, as on the device.
-                let best = points.into_iter().filter_map(line).reduce(|a, b| if b.0 < a.0 { b } else { a });
-                best.map(|(_, t, slope)| (t + half, slope))
+                let ways = ways(levels, from, towards, way.ends_m, size_m).into_iter();
+                ways.map(|way| (cost(&way), way)).reduce(|a, b| if b.0 < a.0 { b } else { a }).map(|(_, way)| way)
             });
-            steepest = steepest.max(found.map_or(f64::NEG_INFINITY, |(_, slope)| slope));
-            start_m += length_m;
+            steepest = steepest.max(found.map_or(f64::NEG_INFINITY, |way| way.steepest()));
+            start_m = end_m;
         }
         steepest
     }
 }
 
-/// The highest lifted height of the block of `size_m` about a map point, or the surface itself.
-fn highest_m(levels: &[Seen], at_m: DVec2, size_m: f64) -> Option<f64> {
-    let Seen { level, pyramid } = levels.iter().find(|seen| seen.level.sees(at_m))?;
-    let grid = level.grid_from_map(at_m);
-    let mip = ((size_m / level.posting_m).log2() + MIP_SLACK).floor().max(0.0) as usize;
-    if mip == 0 {
-        return level.bilinear_m(grid);
+/// The ray's way over a block: its ends, and the slopes of the lines of sight to the block's height there.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    ends_m: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl Way {
+    fn steepest(&self) -> f64 {
+        self.slopes[0].max(self.slopes[1])
     }
-    let mip = mip.min(pyramid.mips.len() - 1);
-    let (column, row) = level.cell(grid)?;
-    let blocks = &pyramid.mips[mip];
-    Some(f64::from(blocks.maxima_m[(row >> mip) * blocks.columns + (column >> mip)]))
+
+    fn least(&self, cost: impl Fn(f64, f64) -> f64) -> f64 {
+        cost(self.ends_m[0], self.slopes[0]).min(cost(self.ends_m[1], self.slopes[1]))
+    }
+}
+
+/// The ways over all blocks of `size_m` between two distances; none beyond the terrain's end.
+fn ways(levels: &[Seen], from: DVec3, towards: DVec2, [start_m, end_m]: [f64; 2], size_m: f64) -> Vec<Way> {
+    let nudge_m = NUDGE * size_m;
+    let mut ways = Vec::new();
+    let mut at_m = start_m;
+    while at_m < end_m - nudge_m && ways.len() < BLOCKS {
+        let inside_m = from.truncate() + (at_m + nudge_m) * towards;
+        let Some(Seen { level, pyramid }) = levels.iter().find(|seen| seen.level.sees(inside_m)) else { break };
+        let mip = ((size_m / level.posting_m).log2() + MIP_SLACK).floor().max(0.0) as usize;
+        let mip = mip.min(pyramid.mips.len() - 1);
+        let (start, rate) = (level.grid_from_map(from.truncate()), towards / level.posting_m);
+        let (inside, far) = (level.grid_from_map(inside_m), DVec2::new(level.columns as f64, level.rows as f64) - 1.0);
+        let exit_m = |axis: usize| {
+            let block = inside[axis] / (1u32 << mip) as f64;
+            let line = if rate[axis] > 0.0 { block.floor() + 1.0 } else { block.ceil() - 1.0 };
+            let line = (line * (1u32 << mip) as f64).clamp(0.0, far[axis]);
+            if rate[axis] == 0.0 { f64::INFINITY } else { (line - start[axis]) / rate[axis] }
+        };
+        let next_m = exit_m(0).min(exit_m(1)).min(end_m).max(at_m + nudge_m);
+        let ends_m = [at_m, next_m];
+        let heights_m = if mip == 0 {
+            ends_m.map(|at_m| level.bilinear_m((start + at_m * rate).clamp(DVec2::ZERO, far)).unwrap_or(f64::NAN))
+        } else {
+            let blocks = &pyramid.mips[mip];
+            let index = |at: f64, cells: f64| (at.min(cells - 1.0) as usize) >> mip;
+            [f64::from(blocks.maxima_m[index(inside.y, far.y) * blocks.columns + index(inside.x, far.x)]); 2]
+        };
+        ways.push(Way { ends_m, slopes: [0, 1].map(|end| (heights_m[end] - from.z) / ends_m[end]) });
+        at_m = next_m;
+    }
+    ways
 }
 
 impl Shadow for MipmapRuns<'_> {

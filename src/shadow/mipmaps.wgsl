@@ -5,9 +5,13 @@ override MIPMAP_RUNS_1: u32 = 0u;
 override MIPMAP_RUNS_2: u32 = 0u;
 override MIPMAP_SLOPE_COST: bool = false;
 
-const NOTHING_M: f32 = -3.0e38;
-const STEEPEST_COST: f32 = 3.0e38;
+const NOTHING: f32 = -3.0e38;
+const HIGHEST_COST: f32 = 3.0e38;
 const MIP_SLACK: f32 = 1.0e-3;
+// As in mipmaps.rs.
+const NUDGE: f32 = 4.0e-3;
+const BLOCKS: u32 = 8u;
+const NO_LEVEL: u32 = 0xffffffffu;
 
 fn cells_of(level: MapLevel) -> vec2i {
     return vec2i(i32(level.columns), i32(level.rows)) - 1;
@@ -17,72 +21,106 @@ fn is_inside(level: MapLevel, grid: vec2f) -> bool {
     return all(grid >= vec2f(0.0)) && all(grid <= vec2f(cells_of(level)));
 }
 
-// The maximum of the block of a mip that holds a grid point, or the surface itself; blocks begin at `offset`.
-fn highest_m(level: MapLevel, grid: vec2f, mip: i32, offset: u32) -> f32 {
-    let cells = cells_of(level);
-    let cell = clamp(vec2i(floor(grid)), vec2i(0), cells - 1);
-    if mip == 0 {
-        let f = grid - vec2f(cell);
-        let low = mix(node_m(level, cell), node_m(level, cell + vec2i(1, 0)), f.x);
-        let high = mix(node_m(level, cell + vec2i(0, 1)), node_m(level, cell + vec2i(1, 1)), f.x);
-        return mix(low, high, f.y);
-    }
-    let blocks = (cells + vec2i((1 << u32(mip)) - 1)) >> vec2u(u32(mip));
-    let block = cell >> vec2u(u32(mip));
-    return maxima_m[offset + u32(block.y * blocks.x + block.x)];
-}
-
-// The same at a distance from a facet: of the finest level from its own on that sees the point.
-fn highest_along(facet: Facet, own: MapLevel, towards: vec2f, at_m: f32, mip: i32, offset: u32) -> f32 {
-    let grid = facet.grid + towards * (at_m / own.posting_m);
-    if is_inside(own, grid) {
-        return highest_m(own, grid, min(mip, i32(own.mips) - 1), offset);
+// The finest level from a facet's own on that sees a point at a distance.
+fn level_along(facet: Facet, towards: vec2f, at_m: f32) -> u32 {
+    let own = map_levels[facet.level];
+    if is_inside(own, facet.grid + towards * (at_m / own.posting_m)) {
+        return facet.level;
     }
     let face = map_faces[own.face];
-    for (var index = facet.level + 1u; index < face.first_level + face.levels; index++) {
+    let end = face.first_level + face.levels;
+    for (var index = facet.level + 1u; index < end; index++) {
         let level = map_levels[index];
-        let beyond = (facet.at_m + towards * at_m - level.south_west_m) / level.posting_m;
-        if is_inside(level, beyond) {
-            let ratio = f32(1u << u32(mip)) * own.posting_m / level.posting_m;
-            let its_mip = clamp(i32(floor(log2(ratio) + MIP_SLACK)), 0, i32(level.mips) - 1);
-            return highest_m(level, beyond, its_mip, level.maxima_offset + mip_offset(cells_of(level), its_mip));
+        if is_inside(level, (facet.at_m + towards * at_m - level.south_west_m) / level.posting_m) {
+            return index;
         }
     }
-    return NOTHING_M;
+    return NO_LEVEL;
 }
 
-// Slope of the terrain where a run ends, NOTHING_M where it leaves the terrain.
+fn surface_m(level: MapLevel, grid: vec2f) -> f32 {
+    let cells = cells_of(level);
+    let at = clamp(grid, vec2f(0.0), vec2f(cells));
+    let cell = min(vec2i(at), cells - 1);
+    let f = at - vec2f(cell);
+    let low = mix(node_m(level, cell), node_m(level, cell + vec2i(1, 0)), f.x);
+    let high = mix(node_m(level, cell + vec2i(0, 1)), node_m(level, cell + vec2i(1, 1)), f.x);
+    return mix(low, high, f.y);
+}
+
+// Where a ray leaves the block that holds `inside`, along one axis.
+fn way_end(start: f32, rate: f32, inside: f32, size: f32, cells: f32) -> f32 {
+    if rate > 0.0 {
+        return (min((floor(inside / size) + 1.0) * size, cells) - start) / rate;
+    }
+    if rate < 0.0 {
+        return (max((ceil(inside / size) - 1.0) * size, 0.0) - start) / rate;
+    }
+    return HIGHEST_COST;
+}
+
+// Steepest line of sight where a run ends, NOTHING where it leaves the terrain.
 fn run_slope(facet: Facet, towards: vec2f, light_slope: f32, start_m: f32, mips: i32) -> f32 {
-    let own = map_levels[facet.level];
-    let length_m = own.posting_m * f32(1u << u32(mips - 1));
-    var until = 1.0;
-    var half = 0.5;
-    var slope = NOTHING_M;
-    for (var mip = mips - 1; mip >= 0; mip--) {
-        let its_mip = min(mip, i32(own.mips) - 1);
-        let offset = own.maxima_offset + mip_offset(cells_of(own), its_mip);
-        var least = STEEPEST_COST;
-        var best = 0.0;
-        for (var i = 0; i < 3; i++) {
-            let t = until - f32(i) * half;
-            let at_m = start_m + t * length_m;
-            let high_m = highest_along(facet, own, towards, at_m, mip, offset);
-            if high_m == NOTHING_M {
-                continue;
+    let own_m = map_levels[facet.level].posting_m;
+    var interval = vec2f(start_m, start_m + own_m * f32(1u << u32(mips - 1)));
+    var slope = NOTHING;
+    for (var step = mips - 1; step >= 0; step--) {
+        let size_m = own_m * f32(1u << u32(step));
+        let nudge_m = NUDGE * size_m;
+        var least = HIGHEST_COST;
+        var best = interval;
+        var at_m = interval.x;
+        var last = NO_LEVEL;
+        var level: MapLevel;
+        var mip = 0;
+        var offset = 0u;
+        var start: vec2f;
+        for (var block = 0u; block < BLOCKS && at_m < interval.y - nudge_m; block++) {
+            let index = level_along(facet, towards, at_m + nudge_m);
+            if index == NO_LEVEL {
+                break;
             }
-            let its_slope = (high_m - facet.height_m) / at_m;
-            let cost = select((light_slope - its_slope) * at_m, -its_slope, MIPMAP_SLOPE_COST);
+            if index != last {
+                last = index;
+                level = map_levels[index];
+                mip = clamp(i32(floor(log2(size_m / level.posting_m) + MIP_SLACK)), 0, i32(level.mips) - 1);
+                offset = level.maxima_offset + mip_offset(cells_of(level), mip);
+                start = facet.grid;
+                if index != facet.level {
+                    start = (facet.at_m - level.south_west_m) / level.posting_m;
+                }
+            }
+            let rate = towards / level.posting_m;
+            let inside = start + rate * (at_m + nudge_m);
+            let cells = cells_of(level);
+            let size = f32(1u << u32(mip));
+            let exit_x = way_end(start.x, rate.x, inside.x, size, f32(cells.x));
+            let exit_y = way_end(start.y, rate.y, inside.y, size, f32(cells.y));
+            let next_m = max(min(min(exit_x, exit_y), interval.y), at_m + nudge_m);
+            var heights_m: vec2f;
+            if mip == 0 {
+                heights_m = vec2f(surface_m(level, start + rate * at_m), surface_m(level, start + rate * next_m));
+            } else {
+                let its = clamp(vec2i(inside), vec2i(0), cells - 1) >> vec2u(u32(mip));
+                let blocks = (cells + vec2i((1 << u32(mip)) - 1)) >> vec2u(u32(mip));
+                heights_m = vec2f(maxima_m[offset + u32(its.y * blocks.x + its.x)]);
+            }
+            let ends_m = vec2f(at_m, next_m);
+            let slopes = (heights_m - facet.height_m) / ends_m;
+            let steepest = max(slopes.x, slopes.y);
+            let clear_m = (light_slope - slopes) * ends_m;
+            let cost = select(min(clear_m.x, clear_m.y), -steepest, MIPMAP_SLOPE_COST);
             if cost < least {
                 least = cost;
-                best = t;
-                slope = its_slope;
+                best = ends_m;
+                slope = steepest;
             }
+            at_m = next_m;
         }
-        if least == STEEPEST_COST {
-            return NOTHING_M;
+        if least == HIGHEST_COST {
+            return NOTHING;
         }
-        until = best + half;
-        half *= 0.5;
+        interval = best;
     }
     return slope;
 }
@@ -98,7 +136,7 @@ fn mipmap_line(facet: Facet, towards: vec2f, s: vec3f, radius_rad: f32) -> vec2f
     let sin_elevation = dot(s, facet.up);
     let cos_elevation = sqrt(max(1.0 - sin_elevation * sin_elevation, 1.0e-12));
     let light_slope = (sin_elevation / cos_elevation * cosine - q) / radius_ratio;
-    var steepest = NOTHING_M;
+    var steepest = NOTHING;
     var start_m = map_levels[facet.level].posting_m;
     for (var run = 0u; run < 16u; run++) {
         let packed = select(MIPMAP_RUNS_1, MIPMAP_RUNS_2, run >= 8u);

@@ -10,8 +10,7 @@ use super::render::{compare, scenes};
 
 /// The published runs, and those that reach the terrain's end by our cost.
 fn methods(scene: &Scene) -> Vec<Mipmaps> {
-    let published = [vec![5, 5, 5], vec![5, 5, 5, 3], vec![1]];
-    let published = published.map(|runs| Mipmaps { runs, cost: Cost::Height });
+    let published = [vec![5, 5, 5, 3], vec![1]].map(|runs| Mipmaps { runs, cost: Cost::Height });
     published.into_iter().chain([Mipmaps::reaching(&scene.surface.terrain, Cost::Slope)]).collect()
 }
 
@@ -49,7 +48,8 @@ fn one_mip_less_is_noticed() {
 #[test]
 fn the_pass_lights_from_the_sky_as_the_reference_does() {
     let Some(gpu) = super::gpu() else { return };
-    for (name, mut scene, view) in scenes() {
+    let few = ["nested, low", "spheroid"];
+    for (name, mut scene, view) in scenes().into_iter().filter(|(name, ..)| few.contains(name)) {
         let surface = &scene.surface;
         let sky = Harmonic::new(Multiscale::new(&surface.terrain, 1, 1.0, 0.0), 4);
         let of_face = |(face, levels): (usize, &perilune::terrain::Face)| {

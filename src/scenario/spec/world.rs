@@ -224,7 +224,7 @@ pub enum RunCost {
     /// The ray's height above the terrain over its length: the skyline itself.
     #[default]
     Slope,
-    /// The ray's height above the terrain, as published: loses the outer half of penumbras.
+    /// The ray's height above the terrain, as published.
     Height,
 }
 

@@ -4,9 +4,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 use perilune::geometry::Body;
-use perilune::render::{Scene, Shadows};
+use perilune::render::reference::Reference;
+use perilune::render::{Renderer, Scene, Shadows, View};
 use perilune::shadow::{Cost, Mipmaps, Multiscale};
-use perilune::terrain::Terrain;
+use perilune::terrain::{Ground, Terrain};
 
 use crate::conformance::render::scenes as conformance_scenes;
 use crate::scenes::{self, Grid, Row, flat_body, map};
@@ -29,7 +30,7 @@ fn step() -> Terrain {
     grid.terrain(&flat_body(), |at_m| if at_m.x <= 0.0 { 100.0 } else { 0.0 })
 }
 
-/// H cot e, to a posting: blocks are maxima, so that the step may stand a cell nearer.
+/// H cot e: where nothing changes across the ray, runs find the skyline of the surface. A tenth of the posting.
 #[test]
 fn mipmaps_end_the_shadow_of_a_step_where_trigonometry_says() {
     let (terrain, map) = (step(), map(&flat_body()));
@@ -42,18 +43,18 @@ fn mipmaps_end_the_shadow_of_a_step_where_trigonometry_says() {
                 let edges_m = row.edges_m(&samples);
                 println!("{elevation_deg}° {cost:?} {renderer}: {edges_m:?}, expected {expected_m:.1} m");
                 assert_eq!(edges_m.len(), 1, "{elevation_deg}° {cost:?} {renderer}: {edges_m:?}");
-                assert!((edges_m[0] - expected_m).abs() < 25.0, "{renderer}: {edges_m:?}, expected {expected_m} m");
+                assert!((edges_m[0] - expected_m).abs() < 2.0, "{renderer}: {edges_m:?}, expected {expected_m} m");
             }
         }
     }
 }
 
-/// At 4.5° the step's shadow is 1271 m long: beyond the reach of {5, 5, 5} its far part is missing.
+/// At 4° the step's shadow is 1430 m long: beyond the reach of {5, 5, 5} its far part is missing.
 #[test]
 fn runs_see_no_further_than_they_reach() {
     let (terrain, map) = (step(), map(&flat_body()));
-    let row = Row { west_m: 1000.0, east_m: 1200.0 };
-    let view = row.view(&map, scenes::sun(&map, WEST_RAD, 4.5f64.to_radians()));
+    let row = Row { west_m: 1100.0, east_m: 1300.0 };
+    let view = row.view(&map, scenes::sun(&map, WEST_RAD, 4f64.to_radians()));
     let fractions = |runs: &[u32]| {
         let (_, samples) = scenes::samples(&lit(&terrain, mipmaps(runs, Cost::Slope)), &view).swap_remove(0);
         row.fractions(&samples)
@@ -76,31 +77,32 @@ fn mipmaps_know_the_curvature_of_the_moon() {
             let edges_m = row.edges_m(&samples);
             println!("{elevation_deg}° {renderer}: {edges_m:?}, expected {expected_m} m");
             assert_eq!(edges_m.len(), 1, "{renderer} {elevation_deg}");
-            // A cell of 500 m before the step, which counts as high as the step in a block, moves the edge by as much.
-            assert!((edges_m[0] - expected_m).abs() < 550.0, "{renderer}: {edges_m:?}, expected {expected_m} m");
+            assert!((edges_m[0] - expected_m).abs() < 50.0, "{renderer}: {edges_m:?}, expected {expected_m} m");
         }
     }
 }
 
-/// V(h) behind a ridge, h radii of the Sun: by height the search prefers ground nearby to a ridge that the ray clears, by
-/// slope it finds it.
+/// V(h) of a uniform disc behind a straight edge, h radii above its centre: one run or several, by height or by slope.
 #[test]
-fn the_published_cost_loses_the_outer_half_of_a_penumbra() {
+fn the_penumbra_behind_an_edge_is_the_share_of_the_disc() {
     let grid = Grid { west_m: -400.0, south_m: -300.0, columns: 321, rows: 61, posting_m: 10.0 };
     let terrain = grid.terrain(&flat_body(), |at_m| if at_m.x <= 0.0 { 20.0 } else { 0.0 });
     let (map, elevation_rad) = (map(&flat_body()), 2f64.to_radians());
     let row = Row { west_m: 480.0, east_m: 680.0 };
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, elevation_rad));
-    // The middle of the edge lies at 573 m; at 610 m the skyline stands 0.44 radii below the disc's centre, V = 0.77.
-    let at_610_m = |cost: Cost| {
-        let (_, samples) = scenes::samples(&lit(&terrain, mipmaps(&[5, 5, 6], cost)), &view).swap_remove(0);
-        let fractions = row.fractions(&samples);
-        fractions[fractions.partition_point(|(x_m, _)| *x_m < 610.0)].1
-    };
-    let (by_height, by_slope) = (at_610_m(Cost::Height), at_610_m(Cost::Slope));
-    println!("by height {by_height}, by slope {by_slope}");
-    assert!((by_slope - 0.77).abs() < 0.05, "{by_slope}");
-    assert!(by_height > 0.95, "{by_height}");
+    for runs in [&[5, 5, 6][..], &[8], &[5, 7]] {
+        for cost in [Cost::Height, Cost::Slope] {
+            for (renderer, samples) in scenes::samples(&lit(&terrain, mipmaps(runs, cost)), &view) {
+                for (x_m, fraction) in row.fractions(&samples) {
+                    let h = ((20.0 / x_m).atan() - elevation_rad) / scenes::SOLAR_RADIUS_RAD;
+                    let h = h.clamp(-1.0, 1.0);
+                    let expected = 0.5 - (h.asin() + h * (1.0 - h * h).sqrt()) / std::f64::consts::PI;
+                    let error = (fraction - expected).abs();
+                    assert!(error < 5e-3, "{runs:?} {cost:?} {renderer} at {x_m} m: {fraction}, expected {expected}");
+                }
+            }
+        }
+    }
 }
 
 /// tan ε = (H/d) cos(A − A_wall) of an endless ridge. What is left of it shrinks as the pyramid's steps and its offset grow
@@ -131,7 +133,7 @@ fn the_multiscale_skyline_of_a_ridge_converges_as_published() {
     let errors: Vec<f64> = [(1, 1.0), (2, 2.0), (4, 4.0), (8, 8.0)].map(|(k, o)| rms_rad(k, o)).into();
     println!("RMS of ω for k = o = 1, 2, 4, 8: {errors:.5?} rad");
     assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "{errors:?}");
-    assert!(errors[3] < 0.003 && errors[0] > 0.01, "{errors:?}");
+    assert!(errors[3] < 0.01 && errors[0] > 0.05, "{errors:?}");
 }
 
 /// Lifted slope 0 rises towards the edge of a map; a bare sphere has no skyline above the horizontal anywhere.
@@ -149,38 +151,33 @@ fn a_bare_sphere_is_level_for_the_pyramid_wherever_on_the_map() {
     }
 }
 
-/// Sun in the zenith, below the horizon, behind the map; azimuths all round; gaps, several levels, cube faces.
+/// Sun in the zenith, in the nadir, on and below the horizon, behind the map: the pole with a gap and two levels, and faces of
+/// a cube.
 #[test]
 fn no_hard_case_ends_in_nan() {
-    for (name, scene, view) in conformance_scenes() {
-        if scene.surface.terrain.faces.is_empty() {
-            continue;
-        }
+    let hard = ["nested, low", "cube from 5000 km"];
+    for (name, scene, view) in conformance_scenes().into_iter().filter(|(name, ..)| hard.contains(name)) {
         let terrain = scene.surface.terrain.clone();
-        let methods: [Shadows; 4] = [
+        let methods = [
             mipmaps(&[5, 5, 5], Cost::Height),
-            mipmaps(&[1, 15], Cost::Height),
-            Shadows::Mipmaps(Mipmaps::reaching(&terrain, Cost::Slope)),
+            mipmaps(&[1, 15], Cost::Slope),
             Shadows::Towards(Box::new(Multiscale::new(&terrain, 1, 1.0, 0.03))),
         ];
-        let up = scene.surface.terrain.faces[0].map.map_from_body.inverse().turn(DVec3::Z);
+        let up = terrain.faces[0].map.map_from_body.inverse().turn(DVec3::Z);
         let side = up.any_orthonormal_vector();
-        let suns = [up, -up, side, -side, (up + 0.02 * side).normalize(), (side - 0.01 * up).normalize()];
+        let suns = [up, -up, side, (side - 0.01 * up).normalize()];
+        let optics = scenes::pinhole(20, 15, scene.optics.focal_px.x / 8.0);
         for shadows in methods {
-            let scene = Scene {
-                shadows,
-                optics: scenes::pinhole(20, 15, scene.optics.focal_px.x / 8.0),
-                ..scenes::scene(terrain.clone(), scenes::pinhole(2, 2, 1.0))
-            };
-            for sun in suns {
-                let mut view = view.clone();
-                view.lights = vec![scenes::light(sun)];
-                for (renderer, samples) in scenes::samples(&scene, &view) {
-                    for (pixel, centre) in samples.pixels.iter().zip(&samples.centres) {
-                        let gap = centre.is_none_or(|hit| hit.ground == perilune::terrain::Ground::Gap);
-                        let right = (0.0..=1.0).contains(&pixel.sun_fraction) && pixel.radiance_w_m2_sr >= 0.0;
-                        assert!(gap || right, "{name}, {}, {renderer}: {pixel:?}", scene.shadows.name());
-                    }
+            // Fields are found for one light; the reference renderer finds them for every image.
+            let suns = if shadows.towards().is_some() { &suns[2..] } else { &suns[..] };
+            let scene = Scene { shadows, ..scenes::scene(terrain.clone(), optics.clone()) };
+            for &sun in suns {
+                let view = View { lights: vec![scenes::light(sun)], ..view.clone() };
+                let samples = Reference.samples(&scene, &view).unwrap();
+                for (pixel, centre) in samples.pixels.iter().zip(&samples.centres) {
+                    let ground = centre.is_some_and(|hit| hit.ground != Ground::Gap);
+                    let right = (0.0..=1.0).contains(&pixel.sun_fraction) && pixel.radiance_w_m2_sr >= 0.0;
+                    assert!(!ground || right, "{name}, {}: {pixel:?}", scene.shadows.name());
                 }
             }
         }
