@@ -40,7 +40,7 @@
 //!
 //! ```text
 //! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
-//!          -> horizon -> shadow -> render -> { dataset, scenario } -> pipeline -> evaluate -> main
+//!          -> horizon -> shadow -> { render, illumination } -> { dataset, scenario } -> pipeline -> evaluate -> main
 //! ```
 //!
 //! A module uses only modules to its left. `tests/architecture.rs` reads the sources and says so.
@@ -70,6 +70,7 @@ pub mod terrain;
 pub mod horizon;
 pub mod shadow;
 
+pub mod illumination;
 pub mod render;
 
 pub mod dataset;

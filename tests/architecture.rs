@@ -13,7 +13,7 @@ const LAYERS: [&[&str]; 10] = [
     &["terrain", "camera"],
     &["horizon"],
     &["shadow"],
-    &["render"],
+    &["render", "illumination"],
     &["dataset", "scenario"],
     &["pipeline"],
     &["evaluate"],

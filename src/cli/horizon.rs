@@ -1,7 +1,7 @@
 //! `sim horizon`.
 
 mod build;
-mod levels;
+pub mod levels;
 mod plot;
 mod query;
 mod verify;

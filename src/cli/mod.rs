@@ -9,6 +9,7 @@ pub mod bars;
 pub mod bench;
 pub mod check;
 pub mod horizon;
+pub mod illuminate;
 pub mod inspect;
 pub mod kernels;
 pub mod run;

@@ -134,7 +134,7 @@ fn parse_place(text: &str) -> Result<Geodetic, String> {
     Ok(Geodetic::from_degrees(latitude_deg, longitude_deg, height_m))
 }
 
-fn parse_step(text: &str) -> Result<Duration, String> {
+pub fn parse_step(text: &str) -> Result<Duration, String> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match text[digits.len()..].trim() {
         "s" | "" => Unit::Second,

@@ -7,6 +7,7 @@
 pub mod error;
 pub mod frame;
 pub mod horizons;
+pub mod illumination;
 pub mod machine;
 pub mod plot;
 pub mod report;

@@ -29,6 +29,9 @@ const SIZE: [f64; 2] = [640.0, 400.0];
 /// Left, right, top and bottom of the frame.
 const FRAME: [f64; 4] = [70.0, 450.0, 30.0, 350.0];
 
+/// Joined points beyond this many get no marks.
+const MARKED: usize = 60;
+
 /// Okabe and Ito's colours, told apart by the colour-blind.
 const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 
@@ -49,7 +52,9 @@ impl Plot {
                 let path: Vec<_> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
                 push(&mut svg, format_args!("<polyline points='{}' fill='none' stroke='{colour}'/>", path.join(" ")));
             }
-            for [x, y] in places {
+            // So many points are a line.
+            let marked = if curve.joined && places.len() > MARKED { Vec::new() } else { places };
+            for [x, y] in marked {
                 push(&mut svg, format_args!("<circle cx='{x:.1}' cy='{y:.1}' r='4' fill='{colour}'/>"));
             }
         }

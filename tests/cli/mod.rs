@@ -3,6 +3,7 @@
 mod bad_input;
 mod ephemeris;
 mod horizon;
+mod illuminate;
 mod inspect;
 mod run;
 mod run_input;

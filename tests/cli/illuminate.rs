@@ -1,0 +1,54 @@
+//! `sim illuminate` as a user runs it.
+
+use std::process::{Command, Output};
+
+use perilune::raster::Georeference;
+
+fn sim(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).output().unwrap()
+}
+
+fn text(path: &std::path::Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn a_map_and_a_series_are_written_and_bad_arguments_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (dem, out, cache) = (folder.path().join("t.tif"), folder.path().join("out"), folder.path().join("cache"));
+    let made =
+        sim(&["terrain", "-o", text(&dem), "--columns", "80", "--rows", "80", "--posting", "100", "--at", "-89,30"]);
+    assert!(made.status.success());
+    let span = ["--from", "2026-01-01T00:00:00Z", "--until", "2026-01-15T00:00:00Z", "--step", "6h"];
+    let paths = ["illuminate", text(&dem), "-o", text(&out), "--cache", text(&cache)];
+    let output = sim(&[&paths[..], &span, &["--at", "-89.01,30.2", "--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["report"]["tables"][1]["rows"].as_array().unwrap().len(), 1);
+    let series = std::fs::read_to_string(out.join("place_1.csv")).unwrap();
+    assert_eq!(series.lines().count(), 1 + 14 * 4);
+    // The map lies where the elevation model lies.
+    let map = gdal::Dataset::open(out.join("illumination.tif")).unwrap();
+    let (columns, rows) = map.raster_size();
+    let crs = map.spatial_ref().unwrap().to_wkt().unwrap();
+    let georeference = Georeference::new(&crs, map.geo_transform().unwrap(), columns).unwrap();
+    let middle = glam::DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0) / 2.0;
+    let at = georeference.projector().unwrap().geodetics(&[middle])[0];
+    assert!((at.latitude_rad.to_degrees() + 89.0).abs() < 1e-4, "{at:?}");
+    assert!((at.longitude_east_rad.to_degrees() - 30.0).abs() < 1e-2, "{at:?}");
+
+    for (more, word) in [
+        (&["--at", "-80,30"][..], "outside the elevation models"),
+        (&["--lit", "1.5"], "share between 0 and 1"),
+        (&["--until", "2025-01-01T00:00:00Z"], "steps"),
+        (&["--until", "2250-01-01T00:00:00Z"], "coverage"),
+    ] {
+        let arguments: Vec<&str> = match more[0] {
+            "--until" => [&paths[..], &span[..2], more, &["--step", "30d"]].concat(),
+            _ => [&paths[..], &span, more].concat(),
+        };
+        let output = sim(&arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && message.contains(word), "{more:?}: {message}");
+    }
+}
