@@ -167,7 +167,7 @@ pub fn scene(
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
-        scenario::Shadows::MaximumMipmaps { runs, cost } => Shadows::Mipmaps(scene::mipmaps(terrain, runs, *cost)),
+        scenario::Shadows::MaximumMipmaps { runs } => Shadows::Mipmaps(scene::mipmaps(terrain, runs)),
         &scenario::Shadows::Multiscale { level_step, level_offset, swath_deg } => {
             Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
         }

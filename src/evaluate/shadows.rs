@@ -28,7 +28,7 @@ use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use crate::scenario::{self, Scenario};
-use crate::shadow::{Baked, Cost, Mipmaps, Multiscale};
+use crate::shadow::{Baked, Mipmaps, Multiscale};
 use crate::terrain::{Ground, Terrain};
 
 /// What to compare.
@@ -152,12 +152,11 @@ struct Trial {
 /// What the others are tried with, by name: each is made when its turn comes.
 type Method = (&'static str, fn(&Terrain, Vec<Vec<HorizonMap>>) -> Shadows);
 
-const METHODS: [Method; 6] = [
+const METHODS: [Method; 5] = [
     ("baked", |_, maps| Shadows::Baked(Baked(maps))),
-    ("mipmaps 5 5 5", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5], cost: Cost::Height })),
-    ("mipmaps 5 5 5 3", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5, 3], cost: Cost::Height })),
-    ("mipmaps all", |terrain, _| Shadows::Mipmaps(Mipmaps::reaching(terrain, Cost::Height))),
-    ("mipmaps by slope", |terrain, _| Shadows::Mipmaps(Mipmaps::reaching(terrain, Cost::Slope))),
+    ("mipmaps 5 5 5", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5] })),
+    ("mipmaps 5 5 5 3", |_, _| Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5, 3] })),
+    ("mipmaps all", |terrain, _| Shadows::Mipmaps(Mipmaps::reaching(terrain))),
     ("multiscale", |terrain, _| Shadows::Towards(Box::new(Multiscale::new(terrain, 4, 2.0, 2f64.to_radians())))),
 ];
 

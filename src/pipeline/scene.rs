@@ -5,9 +5,9 @@ use crate::camera::{Camera as Optics, Detector, Distortion};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
 use crate::render;
-use crate::scenario::{Albedo, Ambient, Photometry, RunCost, Scenario, Sky};
+use crate::scenario::{Albedo, Ambient, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
-use crate::shadow::{Cost, Mipmaps, Multiscale};
+use crate::shadow::{Mipmaps, Multiscale};
 use crate::terrain::{Face, Surface, Terrain};
 
 /// Wavelength of the photons that a detector counts where the scenario names no band.
@@ -109,12 +109,8 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
 }
 
 /// The search of maximum mipmaps that the scenario asks for.
-pub fn mipmaps(terrain: &Terrain, runs: &[u32], cost: RunCost) -> Mipmaps {
-    let cost = match cost {
-        RunCost::Height => Cost::Height,
-        RunCost::Slope => Cost::Slope,
-    };
-    if runs.is_empty() { Mipmaps::reaching(terrain, cost) } else { Mipmaps { runs: runs.to_vec(), cost } }
+pub fn mipmaps(terrain: &Terrain, runs: &[u32]) -> Mipmaps {
+    if runs.is_empty() { Mipmaps::reaching(terrain) } else { Mipmaps { runs: runs.to_vec() } }
 }
 
 /// Azimuths in which horizon maps are summed over the sky: twice their harmonics.

@@ -8,9 +8,7 @@ use hifitime::Epoch;
 use super::spec;
 use crate::geometry::{Body, Geodetic};
 
-pub use super::spec::{
-    Ambient, Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, RunCost, Shadows, Sky, Values,
-};
+pub use super::spec::{Ambient, Detector, Distortion, Encoding, HeightAbove, Outputs, Preview, Shadows, Sky, Values};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! T = 2^(N'−1) postings     m = N' − 1, …, 1, 0
-//! cost = min over the block of H(t) − max h_m   (Height, as published)   or of (H(t) − max h_m)/t   (Slope)
+//! cost = least height H(t) − max h_m of the ray over the block
 //! ```
 //!
 //! At mip 0 the surface itself is read. The next run begins where the last one ended; the steepest line of sight of
@@ -24,7 +24,9 @@
 //!   bare sphere. Of a cube only the face of the point is looked at.
 //!
 //! # Assumptions
-//! A block's maximum may lie beside the ray, and the search never turns back. Filled gaps occlude as the surface that
+//! A block's maximum may lie beside the ray, and the search never turns back: it finds too low a skyline, never too high
+//! a one. Cratered terrain at 20 m, Sun 3° high: 2 % of the pixels lit that are dark, none the other way round, RMS 0.012
+//! of full Sun. To minimise height over distance instead was no better (0.014). Filled gaps occlude as the surface that
 //! fills them.
 //!
 //! `mipmaps.wgsl` is the twin for devices.
@@ -46,16 +48,6 @@ use crate::terrain::{Level, Pyramid, Surface, Terrain};
 pub struct Mipmaps {
     /// Mips `N'` of each run, the nearest run first: at most [`Self::RUNS`] of [`Self::MIPS`] each.
     pub runs: Vec<u32>,
-    pub cost: Cost,
-}
-
-/// What a run minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cost {
-    /// Height of the ray above the terrain, as published.
-    Height,
-    /// That height over the distance.
-    Slope,
 }
 
 /// Room for rounding where a size is a power of two of a posting.
@@ -75,7 +67,7 @@ impl Mipmaps {
     pub const MIPS: u32 = 15;
 
     /// Runs of doubling length after the first two, as far as the terrain reaches from its finest level.
-    pub fn reaching(terrain: &Terrain, cost: Cost) -> Self {
+    pub fn reaching(terrain: &Terrain) -> Self {
         let reach = |levels: &[Level]| {
             let (finest, outermost) = (levels.first()?, levels.last()?);
             let (low, high) = outermost.seen_m();
@@ -89,18 +81,17 @@ impl Mipmaps {
             reached += f64::from(1u32 << (mips - 1));
             runs.push(mips);
         }
-        Self { runs, cost }
+        Self { runs }
     }
 
     /// The `override` values of `mipmaps.wgsl`: four bits a run.
-    pub fn constants(&self) -> [(&'static str, f64); 3] {
+    pub fn constants(&self) -> [(&'static str, f64); 2] {
         let packed = |runs: &[u32]| {
             let bits = runs.iter().zip((0..).step_by(4)).map(|(mips, shift)| mips << shift);
             f64::from(bits.fold(0, |all, run| all | run))
         };
         let (first, second) = self.runs.split_at(self.runs.len().min(Self::RUNS / 2));
-        let by_slope = f64::from(u8::from(self.cost == Cost::Slope));
-        [("MIPMAP_RUNS_1", packed(first)), ("MIPMAP_RUNS_2", packed(second)), ("MIPMAP_SLOPE_COST", by_slope)]
+        [("MIPMAP_RUNS_1", packed(first)), ("MIPMAP_RUNS_2", packed(second))]
     }
 }
 
@@ -142,10 +133,7 @@ impl<'a> MipmapRuns<'a> {
             let whole = Way { ends_m: [start_m, end_m], slopes: [f64::NEG_INFINITY; 2] };
             let found = (0..mips).rev().try_fold(whole, |way, mip| {
                 let size_m = posting_m * f64::from(1u32 << mip);
-                let cost = |way: &Way| match self.method.cost {
-                    Cost::Slope => -way.steepest(),
-                    Cost::Height => way.least(|at_m, slope| (light_slope - slope) * at_m),
-                };
+                let cost = |way: &Way| way.clearance_m(light_slope);
                 // The first of equals, as on the device.
                 let ways = ways(levels, from, towards, way.ends_m, size_m).into_iter();
                 ways.map(|way| (cost(&way), way)).reduce(|a, b| if b.0 < a.0 { b } else { a }).map(|(_, way)| way)
@@ -169,8 +157,10 @@ impl Way {
         self.slopes[0].max(self.slopes[1])
     }
 
-    fn least(&self, cost: impl Fn(f64, f64) -> f64) -> f64 {
-        cost(self.ends_m[0], self.slopes[0]).min(cost(self.ends_m[1], self.slopes[1]))
+    /// The least height above the block of a ray of a slope.
+    fn clearance_m(&self, light_slope: f64) -> f64 {
+        let [near_m, far_m] = [0, 1].map(|end| (light_slope - self.slopes[end]) * self.ends_m[end]);
+        near_m.min(far_m)
     }
 }
 
@@ -234,7 +224,7 @@ mod tests {
 
     #[test]
     fn runs_are_packed_in_four_bits_each() {
-        let method = Mipmaps { runs: vec![5, 5, 5, 3, 1, 1, 1, 1, 15], cost: Cost::Height };
-        assert_eq!(method.constants().map(|(_, value)| value), [f64::from(0x1111_3555), 15.0, 0.0]);
+        let method = Mipmaps { runs: vec![5, 5, 5, 3, 1, 1, 1, 1, 15] };
+        assert_eq!(method.constants().map(|(_, value)| value), [f64::from(0x1111_3555), 15.0]);
     }
 }

@@ -3,10 +3,9 @@
 // Mips of each run, four bits each, the nearest run in the lowest ones; 0 ends them.
 override MIPMAP_RUNS_1: u32 = 0u;
 override MIPMAP_RUNS_2: u32 = 0u;
-override MIPMAP_SLOPE_COST: bool = false;
 
 const NOTHING: f32 = -3.0e38;
-const HIGHEST_COST: f32 = 3.0e38;
+const FARTHEST_M: f32 = 3.0e38;
 const MIP_SLACK: f32 = 1.0e-3;
 // As in mipmaps.rs.
 const NUDGE: f32 = 4.0e-3;
@@ -56,7 +55,7 @@ fn way_end(start: f32, rate: f32, inside: f32, size: f32, cells: f32) -> f32 {
     if rate < 0.0 {
         return (max((ceil(inside / size) - 1.0) * size, 0.0) - start) / rate;
     }
-    return HIGHEST_COST;
+    return FARTHEST_M;
 }
 
 // Steepest line of sight where a run ends, NOTHING where it leaves the terrain.
@@ -67,7 +66,7 @@ fn run_slope(facet: Facet, towards: vec2f, light_slope: f32, start_m: f32, mips:
     for (var step = mips - 1; step >= 0; step--) {
         let size_m = own_m * f32(1u << u32(step));
         let nudge_m = NUDGE * size_m;
-        var least = HIGHEST_COST;
+        var least = FARTHEST_M;
         var best = interval;
         var at_m = interval.x;
         var last = NO_LEVEL;
@@ -107,17 +106,15 @@ fn run_slope(facet: Facet, towards: vec2f, light_slope: f32, start_m: f32, mips:
             }
             let ends_m = vec2f(at_m, next_m);
             let slopes = (heights_m - facet.height_m) / ends_m;
-            let steepest = max(slopes.x, slopes.y);
             let clear_m = (light_slope - slopes) * ends_m;
-            let cost = select(min(clear_m.x, clear_m.y), -steepest, MIPMAP_SLOPE_COST);
-            if cost < least {
-                least = cost;
+            if min(clear_m.x, clear_m.y) < least {
+                least = min(clear_m.x, clear_m.y);
                 best = ends_m;
-                slope = steepest;
+                slope = max(slopes.x, slopes.y);
             }
             at_m = next_m;
         }
-        if least == HIGHEST_COST {
+        if least == FARTHEST_M {
             return NOTHING;
         }
         interval = best;

@@ -13,7 +13,7 @@ mod traced;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
-pub use mipmaps::{Cost, MipmapRuns, Mipmaps};
+pub use mipmaps::{MipmapRuns, Mipmaps};
 pub use multiscale::{HeightPyramid, Multiscale};
 pub use skylines::{Fetched, HeldLight, Skylines, Towards};
 pub use traced::Traced;

@@ -21,7 +21,8 @@
 //!
 //! # Assumptions
 //! Everything is smoothed: a skyline is met to the width of its scale, good for sources of degrees, not for the Sun's
-//! disc. `tests/reference/multiscale.rs` states errors.
+//! disc. Behind a ridge the RMS error is 5.9°, 3.6°, 1.5°, 0.45° for `k = o` = 1, 2, 4, 8
+//! (`tests/reference/render/methods.rs`).
 //!
 //! # References
 //! Snyder & Nowrouzezahrai (2008), Fast soft self-shadowing on dynamic height fields, Computer Graphics Forum 27(4).

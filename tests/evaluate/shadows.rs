@@ -52,6 +52,11 @@ fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
     };
     assert!(agreement("fourier, reference") > 96.0, "{}", report.text());
     assert!(agreement("none, reference") < agreement("fourier, reference") - 2.0, "{}", report.text());
+    // Bounds well below what was measured on a larger scene: 97.8, 87.4, 96.5 %.
+    for (method, least) in [("mipmaps all, device", 94.0), ("multiscale, device", 90.0)] {
+        let found = report.tables[1].rows.iter().any(|row| row[0].text() == method);
+        assert!(!found || agreement(method) > least, "{method}: {}", report.text());
+    }
     assert!(report.pictures.iter().all(|picture| picture.png.starts_with(b"\x89PNG")));
 }
 

@@ -13,7 +13,7 @@ pub use view::{
 };
 pub use world::{
     Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, Encoding, FixedSun, Horizon, Photometry,
-    RunCost, Shadows, Sky, Sun, Surface, Terrain, Values,
+    Shadows, Sky, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.

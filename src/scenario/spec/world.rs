@@ -185,9 +185,6 @@ pub enum Shadows {
         #[serde(default)]
         #[schemars(length(max = 16), inner(range(min = 1, max = 15)))]
         runs: Vec<u32>,
-        /// What the search minimises.
-        #[serde(default)]
-        cost: RunCost,
     },
     /// From a multi-scale pyramid of heights (Snyder & Nowrouzezahrai 2008): smooth skylines for large, dim sources. No
     /// match for the Sun's disc.
@@ -216,16 +213,6 @@ impl Shadows {
     pub fn need_maps(&self) -> bool {
         matches!(self, Self::Fourier | Self::Baked)
     }
-}
-
-/// What a search of maximum mipmaps minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum RunCost {
-    /// The ray's height above the terrain over its length: the skyline itself.
-    #[default]
-    Slope,
-    /// The ray's height above the terrain, as published.
-    Height,
 }
 
 fn default_level_step() -> u32 {

@@ -23,7 +23,7 @@ const STEPS: usize = 96;
 /// Nodes of the quadrature in azimuth and in elevation.
 const NODES: [usize; 2] = [6, 10];
 
-/// A wedge by quadrature: within 1e-6 for widths up to 90°.
+/// A wedge by quadrature.
 pub fn wedge(width_rad: f64, [a_rad, b_rad]: [f64; 2]) -> Harmonics {
     let mut sum = Harmonics::ZERO;
     let [across, along] = NODES.map(gauss_legendre);
