@@ -37,8 +37,8 @@ use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{DeviceGround, Renderer, Scene, Shadows};
-use crate::scenario::{self, Albedo, Scenario};
-use crate::shadow::{Baked, SingleAzimuth, Swept};
+use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
+use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -166,22 +166,34 @@ pub fn scene(
         };
         ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
-    let shadows = match scenario.shadows {
+    let terrain = &ground.surface.terrain;
+    let shadows = match &scenario.shadows {
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
-        scenario::Shadows::Swath { azimuth_step_deg } => {
+        &scenario::Shadows::Swath { azimuth_step_deg } => {
             let folder = cache.join("horizon");
             let swath = swath::swath(&ground.surface, exposures, azimuth_step_deg, &settings, &folder, progress)?;
             Shadows::Towards(Box::new(swath))
         }
-        scenario::Shadows::Sweep { azimuth_step_deg } => {
+        &scenario::Shadows::Sweep { azimuth_step_deg } => {
             Shadows::Towards(Box::new(Swept { settings, step_rad: azimuth_step_deg.to_radians() }))
         }
-        scenario::Shadows::SingleAzimuth { spacing, edge } => {
+        &scenario::Shadows::SingleAzimuth { spacing, edge } => {
             Shadows::Towards(Box::new(SingleAzimuth { settings, spacing, edge }))
         }
+        scenario::Shadows::MaximumMipmaps { runs } => Shadows::Mipmaps(scene::mipmaps(terrain, runs)),
+        &scenario::Shadows::Multiscale { level_step, level_offset, swath_deg } => {
+            Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
+        }
+    };
+    let ambient = match &scenario.ambient {
+        None => None,
+        Some(Ambient { sky: Sky::Horizons, .. }) if shadows.maps().is_none() => {
+            scene::ambient(scenario, &ground.surface, &maps(settings)?)
+        }
+        Some(_) => scene::ambient(scenario, &ground.surface, shadows.maps().unwrap_or_default()),
     };
     ground.inputs.extend(tiles);
     Ok(Scene {
@@ -189,6 +201,7 @@ pub fn scene(
         shadows,
         reflectance: scene::reflectance(scenario)?,
         albedo,
+        ambient,
         disk: scene::disk(scenario)?,
         optics: scene::optics(scenario)?,
         detector: scene::detector(scenario)?,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use perilune::evaluate::shadows::methods::{SLOW, USUAL};
 use perilune::evaluate::{Report, frame, horizons, shadows};
 use perilune::scenario;
 
@@ -53,6 +54,9 @@ enum Bench {
         /// Pixels along the longer side of the image
         #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=16384))]
         size: u32,
+        /// A method to try, or `all`. Repeatable. [default: all but those that take minutes a frame]
+        #[arg(long = "method", value_name = "NAME", value_parser = method)]
+        methods: Vec<String>,
         #[command(flatten)]
         output: Output,
     },
@@ -93,8 +97,9 @@ pub fn run(args: Args) -> Outcome {
             let options = frame::Options { exposures: frames, repeat, cache: scene.cache };
             (frame::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
         }
-        Bench::Shadows { scene, exposure, size, output } => {
-            let options = shadows::Options { exposure, pixels: size, cache: scene.cache };
+        Bench::Shadows { scene, exposure, size, methods, output } => {
+            let methods = all_of(methods);
+            let options = shadows::Options { exposure, pixels: size, methods, cache: scene.cache };
             (shadows::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
         }
     };
@@ -112,4 +117,23 @@ fn print(report: &Report, directory: &Path, json: bool) -> Outcome {
         files.iter().for_each(|path| println!("{}", path.display()));
     }
     Ok(())
+}
+
+fn method(text: &str) -> Result<String, String> {
+    let known = [&USUAL[..], &SLOW].concat();
+    if text == "all" || known.contains(&text) {
+        Ok(text.into())
+    } else {
+        Err(format!("want all, {}", known.join(", ")))
+    }
+}
+
+/// The methods meant by those named.
+fn all_of(named: Vec<String>) -> Vec<String> {
+    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    match &named[..] {
+        [] => names(&USUAL),
+        _ if named.iter().any(|name| name == "all") => names(&[&USUAL[..], &SLOW].concat()),
+        _ => named,
+    }
 }

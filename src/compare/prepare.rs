@@ -52,6 +52,7 @@ fn of_file(
     let map = |path| ground::albedo(&mut ground.surface, path, scale);
     let albedo = request.albedo.as_deref().map(map).transpose()?;
     let scene = Scene {
+        ambient: None,
         shadows: horizons(&ground.surface, &request.cache, progress)?,
         surface: ground.surface,
         reflectance: main.reflectance,

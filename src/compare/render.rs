@@ -8,7 +8,7 @@ use super::{Error, Geometry, Grid};
 use crate::camera::PosedCamera;
 use crate::geometry::{Body, BodyFixed, Position};
 use crate::gpu::{Adapter, Gpu};
-use crate::horizon::{self, Encoding};
+use crate::horizon::{self, Encoding, Memory};
 use crate::photometry::{Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
 use crate::render::passes::Passes;
@@ -76,7 +76,15 @@ fn footprint(body: &Body, camera: &PosedCamera) -> Vec<Position<BodyFixed>> {
 pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Result<Shadows, Error> {
     let (settings, folder) = (horizon::Settings::default(), cache.join("horizon"));
     let silent = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
-    Ok(Shadows::Fourier(ground::horizons(surface, &settings, Encoding::Fm16, &folder, progress, silent)?))
+    Ok(Shadows::Fourier(ground::horizons(
+        surface,
+        &settings,
+        Encoding::Fm16,
+        &folder,
+        Memory::default(),
+        progress,
+        silent,
+    )?))
 }
 
 /// Ground, camera and lights, ready for trials.

@@ -29,6 +29,8 @@ pub enum Error {
     Png { name: String, source: image::ImageError },
     #[error("{key} = {got} is outside [{}, {}]", allowed[0], allowed[1])]
     Range { key: &'static str, got: usize, allowed: [usize; 2] },
+    #[error("method = {got} is unknown, allowed are {allowed}")]
+    Method { got: String, allowed: String },
     #[error("the scenario has no terrain, there is nothing to cast a shadow")]
     NoTerrain,
     #[error("exposure {exposure} sees no ground with heights")]

@@ -12,6 +12,8 @@
 //! Truth sums the disc in 24 columns: `V` within 1e-3 where the skyline is smooth across the disc, within a column's
 //! width where it has a step. Pixels on the bare spheroid and on gaps do not count.
 
+pub mod methods;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -28,8 +30,8 @@ use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use crate::scenario::{self, Scenario};
-use crate::shadow::{Baked, Edge, SingleAzimuth, Swept};
 use crate::terrain::Ground;
+use methods::Workshop;
 
 /// What to compare.
 #[derive(Debug, Clone)]
@@ -37,6 +39,8 @@ pub struct Options {
     pub exposure: usize,
     /// Pixels along the longer side of the image.
     pub pixels: u32,
+    /// Names of [`methods`].
+    pub methods: Vec<String>,
     pub cache: PathBuf,
 }
 
@@ -116,8 +120,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
     let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();
-    let others = in_advance(&scenario, &prepared, &options.cache, progress)?;
-    let (truth, trials) = render_all(scene, &view, traced_settings(&scenario), others, progress)?;
+    let workshop = Workshop {
+        prepared: &prepared,
+        settings: traced_settings(&scenario),
+        maps: scene.shadows.maps().unwrap_or_default().to_vec(),
+        cache: &options.cache,
+    };
+    let (truth, trials) = render_all(scene, &view, &workshop, &options.methods, progress)?;
     let ground: Vec<bool> = truth
         .samples
         .centres
@@ -145,72 +154,44 @@ struct Trial {
     samples: Samples,
     /// From the renderer's call to its samples in memory; buffers were uploaded before.
     seconds: f64,
+    /// The same of the first image, which uploads the terrain and finds skylines.
+    first_seconds: Option<f64>,
     device_seconds: Option<f64>,
-}
-
-/// Between two azimuths of swaths and sweeps, in degrees.
-const AZIMUTH_STEP_DEG: f64 = 0.15;
-
-/// Methods that find skylines in advance without horizon maps.
-fn in_advance(
-    scenario: &Scenario,
-    prepared: &Prepared,
-    cache: &std::path::Path,
-    progress: &dyn Progress,
-) -> Result<Vec<Shadows>, Error> {
-    let (settings, step_rad) = (traced_settings(scenario), AZIMUTH_STEP_DEG.to_radians());
-    let (surface, exposures) = (&prepared.ground.surface, &prepared.exposures);
-    let folder = cache.join("horizon");
-    let swath = pipeline::swath::swath(surface, exposures, AZIMUTH_STEP_DEG, &settings, &folder, progress)?;
-    let single = |edge| Shadows::Towards(Box::new(SingleAzimuth { settings, spacing: 1.0, edge }));
-    Ok(vec![
-        Shadows::Towards(Box::new(swath)),
-        Shadows::Towards(Box::new(Swept { settings, step_rad })),
-        single(Edge::Sloped),
-        single(Edge::Level),
-        single(Edge::Hard),
-    ])
 }
 
 /// The truth, then all others.
 fn render_all(
     mut scene: Scene,
     view: &View,
-    traced: crate::horizon::Settings,
-    others: Vec<Shadows>,
+    workshop: &Workshop,
+    methods: &[String],
     progress: &dyn Progress,
 ) -> Result<(Trial, Vec<Trial>), Error> {
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
     let mut trials = Vec::new();
-    let images = others.len() + 4;
-    progress.begin("rendering", images, "images");
-    let mut both = |scene: &Scene| -> Result<(), Error> {
-        let method = scene.shadows.name();
-        if let Some(gpu) = &gpu {
-            let mut passes = Passes::new(gpu);
-            // The first image uploads the terrain, under another Sun: skylines are found anew for the second.
-            passes.samples(scene, &elsewhere(view))?;
-            trials.push(trial(format!("{method}, device"), &mut passes, scene, view)?);
-        }
-        trials.push(trial(format!("{method}, reference"), &mut Reference, scene, view)?);
-        Ok(())
-    };
-    both(&scene)?;
-    if let Shadows::Fourier(maps) = std::mem::replace(&mut scene.shadows, Shadows::None) {
-        scene.shadows = Shadows::Baked(Baked(maps));
-        both(&scene)?;
+    for name in methods {
+        scene.shadows = workshop.shadows(name, progress)?;
+        progress.begin(&format!("rendering, {name}"), 1, "image");
+        trials.push(match &gpu {
+            Some(gpu) => on_device(name, gpu, &scene, view)?,
+            None => trial(format!("{name}, reference"), &mut Reference, &scene, view)?,
+        });
     }
-    for (done, shadows) in others.into_iter().chain([Shadows::None]).enumerate() {
-        progress.at(done + 2, images);
-        scene.shadows = shadows;
-        both(&scene)?;
-    }
-    scene.shadows = Shadows::Traced(traced);
+    scene.shadows = Shadows::Traced(workshop.settings);
     // Asks for the hits of the pixels' centres.
     scene.quantities = vec![Quantity::DemGap];
+    progress.begin("rendering, traced", 1, "image");
     let truth = trial("traced, reference".into(), &mut Reference, &scene, view)?;
-    progress.at(images, images);
     Ok((truth, trials))
+}
+
+/// The second of two images; the first one, under a Sun a little off, uploads the terrain. Skylines are found anew for the
+/// second.
+fn on_device(method: &str, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Trial, Error> {
+    let mut passes = Passes::new(gpu);
+    let first = trial(String::new(), &mut passes, scene, &elsewhere(view))?;
+    let second = trial(format!("{method}, device"), &mut passes, scene, view)?;
+    Ok(Trial { first_seconds: Some(first.seconds), ..second })
 }
 
 /// The view with its lights moved by more than the raster on which they are held still, and less than matters.
@@ -226,7 +207,7 @@ fn trial(method: String, renderer: &mut dyn Renderer, scene: &Scene, view: &View
     let start = Instant::now();
     let samples = renderer.samples(scene, view)?;
     let device_seconds = renderer.device_time().map(|time| time.as_secs_f64());
-    Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), device_seconds })
+    Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), first_seconds: None, device_seconds })
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -260,6 +241,7 @@ fn report(
             ("penumbra max", ""),
             ("time", "s"),
             ("device", "s"),
+            ("first image", "s"),
         ],
     );
     let mut pictures = Vec::new();
@@ -271,14 +253,14 @@ fn report(
         let errors = [all.mean, all.rms, all.p99, all.max, penumbra.mean, penumbra.rms, penumbra.p99, penumbra.max];
         let mut row = vec![Value::Text(trial.method.clone())];
         row.extend(shares.into_iter().chain(errors).chain([trial.seconds]).map(Value::from));
-        row.push(trial.device_seconds.into());
+        row.extend([trial.device_seconds, trial.first_seconds].map(Value::from));
         methods.rows.push(row);
         points.push(Curve { name: trial.method.clone(), points: vec![[trial.seconds, all.rms]], joined: false });
         pictures.push(picture(scenario, truth, trial, ground)?);
     }
     let mut row = vec![Value::Text(truth.method.clone()), 100.0.into()];
     row.extend([0.0; 10].map(Value::from));
-    row.extend([truth.seconds.into(), Value::Missing]);
+    row.extend([truth.seconds.into(), Value::Missing, Value::Missing]);
     methods.rows.push(row);
 
     let sky = horizontal(&prepared.frame.body, prepared.ground.centre, exposure.sun.direction);

@@ -41,7 +41,7 @@ use super::sweep::grid::Major;
 /// Azimuths at which every node is compared with its sweep, at least.
 pub const AZIMUTHS: usize = 60;
 /// Planes that one decoding of the map serves.
-const BLOCK: usize = 8;
+const BLOCK: usize = 4;
 /// Codes of one doubling, and the binary logarithm of the bound of code 0, in radians.
 const CODES_PER_OCTAVE: f64 = 16.0;
 const LEAST_EXPONENT: f64 = -15.0;

@@ -28,6 +28,7 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         settings: serde_json::json!({
             "frame": prepared.frame.frame_name,
             "shadows": format!("{:?}", scenario.shadows),
+            "ambient": scenario.ambient,
             "photometry": format!("{:?}", scene.reflectance),
             "limb_darkening": scene::disk_name(scenario),
             "samples_per_pixel": scenario.camera.samples_per_pixel,

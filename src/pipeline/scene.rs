@@ -2,8 +2,13 @@
 
 use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion};
+use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
-use crate::scenario::{Albedo, Photometry, Scenario};
+use crate::render;
+use crate::scenario::{Albedo, Ambient, Photometry, Scenario, Sky};
+use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
+use crate::shadow::{Mipmaps, Multiscale};
+use crate::terrain::{Face, Surface, Terrain};
 
 /// Wavelength of the photons that a detector counts where the scenario names no band.
 const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
@@ -101,4 +106,29 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     };
     reflectance.check()?;
     Ok(reflectance)
+}
+
+/// The search of maximum mipmaps that the scenario asks for.
+pub fn mipmaps(terrain: &Terrain, runs: &[u32]) -> Mipmaps {
+    if runs.is_empty() { Mipmaps::reaching(terrain) } else { Mipmaps { runs: runs.to_vec() } }
+}
+
+/// Azimuths in which horizon maps are summed over the sky: twice their harmonics.
+const SKY_AZIMUTHS: usize = 32;
+
+/// The ambient light that the scenario asks for; `maps` are horizon maps by face and level.
+pub fn ambient(scenario: &Scenario, surface: &Surface, maps: &[Vec<HorizonMap>]) -> Option<render::Ambient> {
+    let Ambient { radiance_w_m2_sr, sky } = scenario.ambient?;
+    let sky: Box<dyn AllRound> = match sky {
+        Sky::Horizons => Box::new(FromMaps { maps, azimuths: SKY_AZIMUTHS }),
+        Sky::Multiscale { level_step, level_offset, azimuths } => {
+            let multiscale = Multiscale::new(&surface.terrain, level_step, level_offset, 0.0);
+            Box::new(Harmonic::new(multiscale, azimuths as usize))
+        }
+    };
+    let of_face = |(face, levels): (usize, &Face)| {
+        (0..levels.levels.len()).map(|level| sky::shares(surface, [face, level], sky.as_ref())).collect()
+    };
+    let shares = surface.terrain.faces.iter().enumerate().map(of_face).collect();
+    Some(render::Ambient { radiance_w_m2_sr, shares })
 }

@@ -11,6 +11,7 @@ mod rays;
 mod skylines;
 mod upload;
 
+use std::f64::consts::PI;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -25,15 +26,19 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{RenderError, Renderer, Scene, View};
+use super::{RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
-pub const SHADER: &str =
-    concat!(include_str!("passes.wgsl"), include_str!("texels.wgsl"), include_str!("../terrain/surface.wgsl"));
+pub const SHADER: &str = concat!(
+    include_str!("passes.wgsl"),
+    include_str!("texels.wgsl"),
+    include_str!("../terrain/surface.wgsl"),
+    include_str!("../shadow/mipmaps.wgsl"),
+);
 
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
@@ -110,6 +115,7 @@ impl Prepared {
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
+            ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| PI * ambient.radiance_w_m2_sr)),
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
@@ -120,7 +126,15 @@ impl Prepared {
         constants.extend(ground.constants);
         // Fields take one page, whatever the horizon maps that they come from take.
         constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
-        let source = if skylines.is_some() { 2 } else { u8::from(scene.shadows.maps().is_some()) };
+        let source = match &scene.shadows {
+            Shadows::None | Shadows::Traced(_) => 0,
+            Shadows::Fourier(_) => 1,
+            Shadows::Baked(_) | Shadows::Towards(_) => 2,
+            Shadows::Mipmaps(method) => {
+                constants.extend(method.constants());
+                3
+            }
+        };
         constants.push(("SKYLINES", f64::from(source)));
         constants.extend(ground.encoding.constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
@@ -178,6 +192,7 @@ impl Prepared {
                 &pixels_out,
                 &centres_out,
                 &self.ground.gradients[1],
+                &self.ground.skies,
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.

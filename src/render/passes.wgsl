@@ -54,6 +54,7 @@ struct Centre {
 @group(0) @binding(17) var<storage, read> more_gradients: array<vec2f>;
 @group(0) @binding(12) var<storage, read> maxima_m: array<f32>;
 @group(0) @binding(13) var<storage, read> albedos: array<f32>;
+@group(0) @binding(18) var<storage, read> skies: array<f32>;
 @group(0) @binding(14) var<storage, read> rays: array<vec2f>;
 @group(0) @binding(15) var<storage, read_write> pixels_out: array<Pixel>;
 @group(0) @binding(16) var<storage, read_write> centres_out: array<Centre>;
@@ -65,9 +66,11 @@ override SAMPLES: u32;
 override CENTRE: u32;
 override FACES: u32;
 override LIGHTS: u32;
-// Where skylines come from: nowhere, series, or fields of nodes.
+// Where skylines come from: nowhere, series, fields of nodes, or runs over maximum mipmaps.
 override SKYLINES: u32;
 override ALBEDO_MAP: bool;
+// Irradiance of a facet that sees the whole sky.
+override SKY_W_M2: f32;
 override GRADIENT_PAGE_BITS: u32;
 override MORE_GRADIENTS: bool;
 
@@ -91,8 +94,12 @@ struct Facet {
     level: u32,
     // In nodes of the level's seen part.
     grid: vec2f,
+    // Lifted.
+    height_m: f32,
     // What multiplies the reflectance.
     albedo: f32,
+    // Share of the sky that lights it.
+    sky: f32,
     gap: bool,
 }
 
@@ -147,6 +154,7 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
     facet.grid = vec2f(hit.cell) + f;
     facet.at_m = level.south_west_m + facet.grid * level.posting_m;
     facet.radius_m = radius_m;
+    facet.height_m = height_m;
     facet.up = normalize(vec3f(facet.at_m, radius_m));
     facet.normal = normalize(vec3f(-slope, 1.0 + (dot(slope, facet.at_m) - height_m) / radius_m));
     facet.position_m = vec3f(facet.at_m, radius_m) * (radius_m / (radius_m - height_m));
@@ -156,6 +164,12 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
         let below = mix(albedos[node], albedos[node + 1u], f.x);
         let above = mix(albedos[node + level.columns], albedos[node + level.columns + 1u], f.x);
         facet.albedo = mix(below, above, f.y);
+    }
+    facet.sky = 1.0;
+    if SKY_W_M2 > 0.0 {
+        let below = mix(skies[node], skies[node + 1u], f.x);
+        let above = mix(skies[node + level.columns], skies[node + level.columns + 1u], f.x);
+        facet.sky = mix(below, above, f.y);
     }
     return facet;
 }
@@ -167,6 +181,7 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     facet.normal = normalize(facet.position_m / (view.radii_m.xyz * view.radii_m.xyz));
     facet.up = facet.normal;
     facet.albedo = 1.0;
+    facet.sky = 1.0;
     facet.gap = false;
     return facet;
 }
@@ -198,10 +213,16 @@ fn skyline(facet: Facet, light: u32, s: vec3f, radius_rad: f32) -> vec2f {
     let level = map_levels[facet.level];
     let direction = s.xy - facet.at_m * (s.z / facet.radius_m);
     let length_2 = dot(direction, direction);
-    if level.has_horizon == 0u || length_2 < 1.0e-12 {
+    if length_2 < 1.0e-12 {
         return vec2f(-1.0e3, 0.0);
     }
     let towards = direction / sqrt(length_2);
+    if SKYLINES == 3u {
+        return mipmap_line(facet, towards, s, radius_rad);
+    }
+    if level.has_horizon == 0u {
+        return vec2f(-1.0e3, 0.0);
+    }
     var horizon: vec2f;
     if SKYLINES == 1u {
         let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
@@ -245,6 +266,10 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
             sample.irradiance = irradiance;
             sample.fraction = seen.fraction;
         }
+    }
+    if SKY_W_M2 > 0.0 {
+        let mu = max(dot(facet.normal, to_camera), 0.0);
+        sample.radiance += facet.albedo * brdf_sr(reflectance, 1.0, mu, mu) * SKY_W_M2 * facet.sky;
     }
     return sample;
 }

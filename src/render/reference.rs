@@ -11,6 +11,8 @@
 //!
 //! `passes` renders the same on the GPU; `tests/conformance` holds the two together.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -18,7 +20,7 @@ use super::planes::{Radiometry, Samples, normal};
 use super::{Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{Disc, Fetched, FourierMaps, Shadow, Site, Skylines, Traced};
+use crate::shadow::{Disc, Fetched, FourierMaps, MipmapRuns, Shadow, Site, Skylines, Traced};
 use crate::terrain::{Ground, Hit};
 
 /// Renders on the CPU, in f64, on all cores.
@@ -56,6 +58,7 @@ fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
     }
     match &scene.shadows {
         Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
+        Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
         Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
     }
@@ -100,7 +103,7 @@ fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> 
     }
     let to_camera = hit.position.direction_to(view.camera_position);
     let normal = normal(scene, hit);
-    let albedo = albedo(scene, hit);
+    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit));
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
         let lit = illuminate(scene, shadow, hit, normal, (index, light));
@@ -115,13 +118,18 @@ fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> 
             (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
         }
     }
+    if let Some((ambient, to_camera)) = scene.ambient.as_ref().zip(to_camera) {
+        let mu = normal.unit().dot(to_camera.unit()).max(0.0);
+        let irradiance = PI * ambient.radiance_w_m2_sr * at_nodes(scene, &ambient.shares, hit);
+        sample.radiance += albedo * scene.reflectance.brdf_sr(1.0, mu, mu) * irradiance;
+    }
     sample
 }
 
-/// What the albedo map multiplies the reflectance by at a hit.
-fn albedo(scene: &Scene, hit: &Hit) -> f64 {
-    match (&scene.albedo, hit.ground) {
-        (Some(maps), Ground::Dem { face, level, lifted }) => {
+/// A number given at the nodes, bilinear at a hit; 1 beyond the terrain.
+fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit) -> f64 {
+    match hit.ground {
+        Ground::Dem { face, level, lifted } => {
             let grid_level = &scene.surface.terrain.faces[face].levels[level];
             let grid = grid_level.grid_from_map(lifted.truncate());
             grid_level.bilinear_of(&maps[face][level], grid).unwrap_or(f64::NAN)

@@ -4,7 +4,7 @@ use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Reflectance, SolarDisk};
-use crate::shadow::{Baked, HeldLight, Towards};
+use crate::shadow::{Baked, HeldLight, Mipmaps, Towards};
 use crate::terrain::Surface;
 
 use super::Quantity;
@@ -17,6 +17,8 @@ pub struct Scene {
     pub reflectance: Reflectance,
     /// What multiplies the reflectance at the nodes of each face's levels; `None`: nothing.
     pub albedo: Option<Vec<Vec<Vec<f32>>>>,
+    /// Light from all of the sky; `None`: the sky is black.
+    pub ambient: Option<Ambient>,
     /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
     pub disk: SolarDisk,
     pub optics: Optics,
@@ -25,6 +27,14 @@ pub struct Scene {
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
     pub quantities: Vec<Quantity>,
+}
+
+/// A sky of the same radiance everywhere. The ground reflects its light as if it came along the normal.
+#[derive(Debug)]
+pub struct Ambient {
+    pub radiance_w_m2_sr: f64,
+    /// Share of it that lights the facet at each node of each face's levels.
+    pub shares: Vec<Vec<Vec<f32>>>,
 }
 
 /// Where the terrain's shadows come from.
@@ -38,6 +48,8 @@ pub enum Shadows {
     Baked(Baked),
     /// Skylines of all nodes towards each light, found by the method while the lights stand still.
     Towards(Box<dyn Towards>),
+    /// Maximum mipmaps, searched towards each light at every sample.
+    Mipmaps(Mipmaps),
     /// The believed horizon at every sample: slow, and only for the reference renderer.
     Traced(crate::horizon::Settings),
 }
@@ -50,6 +62,7 @@ impl Shadows {
             Self::Fourier(_) => "fourier",
             Self::Baked(_) => "baked",
             Self::Towards(method) => method.name(),
+            Self::Mipmaps(_) => "mipmaps",
             Self::Traced(_) => "traced",
         }
     }
@@ -58,7 +71,7 @@ impl Shadows {
     pub fn maps(&self) -> Option<&[Vec<HorizonMap>]> {
         match self {
             Self::Fourier(maps) | Self::Baked(Baked(maps)) => Some(maps),
-            Self::None | Self::Towards(_) | Self::Traced(_) => None,
+            Self::None | Self::Towards(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
         }
     }
 
@@ -67,7 +80,7 @@ impl Shadows {
         match self {
             Self::Baked(baked) => Some(baked),
             Self::Towards(method) => Some(method.as_ref()),
-            Self::None | Self::Fourier(_) | Self::Traced(_) => None,
+            Self::None | Self::Fourier(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
         }
     }
 }

@@ -9,7 +9,7 @@ use super::spec;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 
-pub use super::spec::{Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Values};
+pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Sky, Values};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Scenario {
     pub sun: Sun,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
+    /// `None`: a black sky.
+    pub ambient: Option<Ambient>,
     pub trajectory: Trajectory,
     pub pointing: Pointing,
     pub camera: Camera,

@@ -12,7 +12,10 @@
 mod baked;
 pub mod fan;
 mod fourier;
+mod mipmaps;
+mod multiscale;
 pub mod single_azimuth;
+pub mod sky;
 pub mod skylines;
 pub mod swath;
 mod sweep;
@@ -20,6 +23,8 @@ mod traced;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use mipmaps::{MipmapRuns, Mipmaps};
+pub use multiscale::{HeightPyramid, Multiscale};
 pub use single_azimuth::{Edge, SingleAzimuth};
 pub use skylines::{Fetched, HeldLight, Skylines, Towards};
 pub use swath::Swath;

@@ -42,8 +42,14 @@ const STRUCTURE: &[Case] = &[
         "unknown key at the top",
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
-        "2:22: tides is not a key here; allowed: body, camera, detector, earthshine, exposures, \
+        "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
          frame, horizon, kernels, outputs, pointing, seed, shadows, sun, surface, terrain, title, trajectory",
+    ),
+    Case(
+        "runs of too many mips",
+        "title: \"a test\"",
+        "title: \"a test\", shadows: MaximumMipmaps(runs: [5, 16])",
+        "2:56: shadows.runs[1] = 16 is outside [1, 15]",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(

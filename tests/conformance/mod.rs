@@ -6,8 +6,9 @@
 mod directional;
 mod horizon;
 mod layout;
+mod mipmaps;
 mod photometry;
-mod render;
+pub mod render;
 pub mod scenarios;
 mod skylines;
 mod vectors;

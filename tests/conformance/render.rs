@@ -80,6 +80,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
         shadows: Shadows::None,
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
         albedo: None,
+        ambient: None,
         detector: None,
         disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),
         optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)).unwrap(),

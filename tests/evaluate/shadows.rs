@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use perilune::evaluate::Value;
+use perilune::evaluate::shadows::methods::{SLOW, USUAL};
 use perilune::evaluate::shadows::{Options, compare, reduced, run};
 use perilune::geometry::Position;
 use perilune::pipeline::{self, Silent};
@@ -40,18 +41,25 @@ fn a_reduced_camera_sees_the_same_field_with_one_ray_a_pixel() {
 #[test]
 fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
     let folder = tempfile::TempDir::new().unwrap();
-    let options = Options { exposure: 0, pixels: 64, cache: folder.path().join("cache") };
+    let methods = [&USUAL[..], &SLOW].concat().into_iter().map(str::to_owned).collect();
+    let options = Options { exposure: 0, pixels: 64, methods, cache: folder.path().join("cache") };
     let report = run(&small(folder.path()), &options, &Silent).unwrap_or_else(|error| panic!("{error}"));
     let agreement = |method: &str| {
         let rows = &report.tables[1].rows;
-        let row = rows.iter().find(|row| row[0].text() == method).unwrap_or_else(|| panic!("{method} is missing"));
-        match row[1] {
+        // On whichever renderer there is.
+        let row = rows.iter().find(|row| row[0].text().split(',').next() == Some(method));
+        match row.unwrap_or_else(|| panic!("{method} is missing"))[1] {
             Value::Number(percent) => percent,
             _ => f64::NAN,
         }
     };
-    assert!(agreement("fourier, reference") > 96.0, "{}", report.text());
-    assert!(agreement("none, reference") < agreement("fourier, reference") - 2.0, "{}", report.text());
+    assert!(agreement("none") < agreement("fourier") - 2.0, "{}", report.text());
+    // Bounds well below what was measured on a larger scene: 99.2, 99.1, 97.8, 87.4, 96.5 %.
+    let exact = ["swath", "sweep", "single-azimuth", "single-azimuth-level"].map(|method| (method, 97.0));
+    let others = [("fourier", 96.0), ("baked", 96.0), ("mipmaps", 94.0), ("mipmaps-5-5-5", 80.0), ("multiscale", 90.0)];
+    for (method, least) in exact.into_iter().chain(others) {
+        assert!(agreement(method) > least, "{method}: {}", report.text());
+    }
     assert!(report.pictures.iter().all(|picture| picture.png.starts_with(b"\x89PNG")));
 }
 

@@ -8,4 +8,5 @@ mod photometry;
 mod raster;
 mod render;
 mod ridge;
+mod sky;
 mod trajectory;

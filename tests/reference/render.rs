@@ -1,5 +1,6 @@
 //! Images against closed forms, from the reference renderer and from the compute pass.
 
 mod ground;
+mod methods;
 mod shadows;
 mod sphere;

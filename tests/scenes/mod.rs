@@ -72,6 +72,7 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
         shadows: Shadows::None,
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
         albedo: None,
+        ambient: None,
         disk: disk(0.0),
         optics,
         detector: None,

@@ -29,6 +29,7 @@ pub struct DeviceGround {
     pub gradients: [Buffer; GRADIENT_PAGES],
     pub maxima: Buffer,
     pub albedos: Buffer,
+    pub skies: Buffer,
     pub texels: [Buffer; TEXEL_PAGES],
     /// That of all horizon maps: a pipeline decodes one.
     pub encoding: Encoding,
@@ -56,7 +57,8 @@ impl DeviceGround {
             for level in 0..levels.levels.len() {
                 let horizon = horizons.map(|maps| &maps[face][level]);
                 let albedo = scene.albedo.as_ref().map(|maps| maps[face][level].as_slice());
-                store.add(&scene.surface, face, level, horizon, albedo);
+                let sky = scene.ambient.as_ref().map(|ambient| ambient.shares[face][level].as_slice());
+                store.add(&scene.surface, face, level, horizon, [albedo, sky]);
             }
         }
         let encodings = horizons.iter().flat_map(|maps| maps.iter().flatten()).map(|map| map.encoding);
@@ -71,6 +73,7 @@ impl DeviceGround {
             gradients: pages(gpu, "gradients", &store.gradients)?,
             maxima: gpu.storage("maxima", checked(gpu, "maxima", &store.maxima_m, 1)?),
             albedos: gpu.storage("albedos", checked(gpu, "albedos", &store.albedos, 1)?),
+            skies: gpu.storage("skies", checked(gpu, "skies", &store.skies, 1)?),
             texels: pages(gpu, "horizon maps", &store.texels)?,
             encoding,
             pages: [
@@ -107,6 +110,7 @@ struct Store {
     maxima_m: Vec<f32>,
     texels: Vec<[u32; 4]>,
     albedos: Vec<f32>,
+    skies: Vec<f32>,
 }
 
 impl Store {
@@ -116,7 +120,7 @@ impl Store {
         face: usize,
         level: usize,
         horizon: Option<&HorizonMap>,
-        albedo: Option<&[f32]>,
+        at_nodes: [Option<&[f32]>; 2],
     ) {
         let full = &surface.terrain.faces[face].levels[level];
         let seen = full.seen();
@@ -128,10 +132,11 @@ impl Store {
         self.heights_m.extend(&seen.heights_m);
         self.gradients.extend(gradients(full));
         self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
-        if let Some(albedo) = albedo {
+        for (stored, values) in [&mut self.albedos, &mut self.skies].into_iter().zip(at_nodes) {
+            let Some(values) = values else { continue };
             let seen = full.margin..full.rows - full.margin;
             let cut = |row: usize| full.index(full.margin, row)..full.index(full.columns - full.margin, row);
-            self.albedos.extend(seen.flat_map(|row| &albedo[cut(row)]));
+            stored.extend(seen.flat_map(|row| &values[cut(row)]));
         }
         if let Some(map) = horizon {
             shader.has_horizon = 1;

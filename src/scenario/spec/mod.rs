@@ -12,8 +12,8 @@ pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
 pub use world::{
-    Albedo, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows, Sun,
-    Surface, Terrain, Values,
+    Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
+    Sky, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
@@ -51,6 +51,9 @@ pub struct Spec {
     /// Light that the Earth reflects onto the ground. Default: none.
     #[serde(default)]
     pub earthshine: Option<Earthshine>,
+    /// Light from all of the sky. Default: none.
+    #[serde(default)]
+    pub ambient: Option<Ambient>,
     /// Where the camera is.
     pub trajectory: Trajectory,
     /// Where the camera looks.

@@ -149,7 +149,7 @@ pub enum Horizon {
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
         /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
         /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
-        /// this scenario's own. Without effect where there is earthshine.
+        /// this scenario's own. Without effect where there is earthshine or ambient light.
         #[serde(default)]
         band: bool,
     },
@@ -163,7 +163,7 @@ fn default_azimuths() -> u32 {
 }
 
 /// How shadows are cast.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Shadows {
     /// From Fourier-compressed horizon maps, evaluated at every sample.
@@ -199,6 +199,31 @@ pub enum Shadows {
         #[serde(default)]
         edge: Edge,
     },
+    /// By a search of maximum mipmaps towards the Sun at every sample (Jung 2020): no horizon maps, more time an image.
+    MaximumMipmaps {
+        /// Mips of each run of the search, the nearest run first; a run of N mips looks 2^(N−1) postings further.
+        /// [5, 5, 5] and [5, 5, 5, 3] are the published ones: 48 and 52 postings. Default: 5, 5, 6, 7, … as far as the
+        /// terrain reaches.
+        #[serde(default)]
+        #[schemars(length(max = 16), inner(range(min = 1, max = 15)))]
+        runs: Vec<u32>,
+    },
+    /// From a multi-scale pyramid of heights (Snyder & Nowrouzezahrai 2008): smooth skylines for large, dim sources. No
+    /// match for the Sun's disc.
+    Multiscale {
+        /// Images in each halving of the resolution.
+        #[serde(default = "default_level_step")]
+        #[schemars(range(min = 1, max = 16))]
+        level_step: u32,
+        /// Halvings by which images are finer than their distance: more is sharper.
+        #[serde(default = "default_level_offset")]
+        #[schemars(range(min = 0.0, max = 16.0))]
+        level_offset: f64,
+        /// Azimuths over which the skyline's slope is taken.
+        #[serde(default = "default_swath")]
+        #[schemars(range(min = 0.01, max = 90.0))]
+        swath_deg: f64,
+    },
     /// From the exact horizon of each point, without compression. Slow; the one to compare with.
     Traced,
     /// No cast shadows; the ground still turns away from the Sun.
@@ -211,9 +236,22 @@ fn default_azimuth_step_deg() -> f64 {
 
 impl Shadows {
     /// Whether horizon maps are made.
-    pub fn need_maps(self) -> bool {
+    pub fn need_maps(&self) -> bool {
         matches!(self, Self::Fourier | Self::Baked)
     }
+}
+
+fn default_level_step() -> u32 {
+    4
+}
+
+fn default_level_offset() -> f64 {
+    2.0
+}
+
+/// The Earth's disc is 1.9° across.
+fn default_swath() -> f64 {
+    2.0
 }
 
 /// How the ground reflects light.
@@ -364,4 +402,45 @@ pub struct Earthshine {
 /// Geometric albedo of the Earth in the visible: 0.434 (Mallama et al. 2017, doi:10.1016/j.icarus.2016.09.023).
 fn earth_albedo() -> f64 {
     0.434
+}
+
+/// Light from all of the sky, of the same radiance everywhere: scattered light, starlight, haze.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ambient {
+    /// Radiance of the sky in the camera's band.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub radiance_w_m2_sr: f64,
+    /// How much of the sky the ground sees.
+    #[serde(default)]
+    pub sky: Sky,
+}
+
+/// How much of the sky the ground sees.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Sky {
+    /// From horizon maps, which are made if shadows need none.
+    #[default]
+    Horizons,
+    /// From a multi-scale pyramid of heights and spherical harmonics (Snyder & Nowrouzezahrai 2008): no horizon maps.
+    Multiscale {
+        /// Images in each halving of the resolution.
+        #[serde(default = "default_level_step")]
+        #[schemars(range(min = 1, max = 16))]
+        level_step: u32,
+        /// Halvings by which images are finer than their distance: more is sharper.
+        #[serde(default = "default_level_offset")]
+        #[schemars(range(min = 0.0, max = 16.0))]
+        level_offset: f64,
+        /// Directions all round.
+        #[serde(default = "default_sky_azimuths")]
+        #[schemars(range(min = 4, max = 128))]
+        azimuths: u32,
+    },
+}
+
+/// 16 to 32 are published for light from all round.
+fn default_sky_azimuths() -> u32 {
+    16
 }

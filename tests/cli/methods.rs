@@ -1,0 +1,37 @@
+//! Scenarios that choose how shadows are cast and where the sky's light comes from.
+
+use super::run::{Run, SMALL};
+
+/// The small scenario, its first image alone, with other shadows and more keys.
+fn with(keys: &str) -> Run {
+    Run::of(&SMALL.replace("    horizon:", &format!("    {keys},\n    horizon:")))
+}
+
+fn settings(run: &Run) -> serde_json::Value {
+    let text = std::fs::read_to_string(run.path("out").join("manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
+    manifest["run"]["settings"].clone()
+}
+
+#[test]
+fn every_method_runs_and_is_written_down() {
+    let cases = [
+        ("shadows: MaximumMipmaps(runs: [5, 5, 5])", "MaximumMipmaps { runs: [5, 5, 5] }"),
+        ("shadows: MaximumMipmaps()", "MaximumMipmaps { runs: [] }"),
+        ("shadows: Multiscale(level_step: 2)", "Multiscale { level_step: 2, level_offset: 2.0, swath_deg: 2.0 }"),
+    ];
+    for (keys, recorded) in cases {
+        let run = with(keys);
+        run.succeed(&["--frames", "0..1"]);
+        assert_eq!(settings(&run)["shadows"], recorded, "{keys}");
+    }
+}
+
+#[test]
+fn light_from_the_sky_runs_and_is_written_down() {
+    for sky in ["Horizons", "Multiscale(level_step: 1, azimuths: 8)"] {
+        let run = with(&format!("shadows: Off, ambient: (radiance_w_m2_sr: 2.5, sky: {sky})"));
+        run.succeed(&["--frames", "0..1"]);
+        assert_eq!(settings(&run)["ambient"]["radiance_w_m2_sr"], 2.5, "{sky}");
+    }
+}

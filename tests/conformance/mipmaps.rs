@@ -1,0 +1,68 @@
+//! Runs over maximum mipmaps and light from the sky: the pass against the reference.
+
+use perilune::render::passes::Passes;
+use perilune::render::reference::Reference;
+use perilune::render::{Ambient, Renderer, Scene, Shadows};
+use perilune::shadow::sky::{Harmonic, shares};
+use perilune::shadow::{Mipmaps, Multiscale};
+
+use super::render::{compare, scenes};
+
+/// The published runs, and those that reach the terrain's end.
+fn methods(scene: &Scene) -> Vec<Mipmaps> {
+    let published = [vec![5, 5, 5, 3], vec![1]].map(|runs| Mipmaps { runs });
+    published.into_iter().chain([Mipmaps::reaching(&scene.surface.terrain)]).collect()
+}
+
+/// Where two blocks cost the same to rounding, f32 may choose the other one: more pixels differ than without shadows.
+#[test]
+fn the_pass_searches_the_runs_that_the_reference_searches() {
+    let Some(gpu) = super::gpu() else { return };
+    for (name, mut scene, view) in scenes() {
+        if scene.surface.terrain.faces.is_empty() {
+            continue;
+        }
+        for method in methods(&scene) {
+            let called = format!("{name}, {method:?}");
+            scene.shadows = Shadows::Mipmaps(method);
+            let reference = Reference.samples(&scene, &view).unwrap();
+            let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
+            let agreement = compare(&scene, &reference, &pass);
+            println!("{called}: {agreement:?}");
+            assert!(agreement.radiance >= 0.999, "{called}: {agreement:?}");
+        }
+    }
+}
+
+#[test]
+fn one_mip_less_is_noticed() {
+    let Some(gpu) = super::gpu() else { return };
+    let (_, mut scene, view) = scenes().swap_remove(0);
+    scene.shadows = Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5] });
+    let reference = Reference.samples(&scene, &view).unwrap();
+    scene.shadows = Shadows::Mipmaps(Mipmaps { runs: vec![5, 4, 5] });
+    let other = Passes::new(gpu).samples(&scene, &view).unwrap();
+    assert!(compare(&scene, &reference, &other).radiance < 0.995);
+}
+
+#[test]
+fn the_pass_lights_from_the_sky_as_the_reference_does() {
+    let Some(gpu) = super::gpu() else { return };
+    let few = ["nested, low", "spheroid"];
+    for (name, mut scene, view) in scenes().into_iter().filter(|(name, ..)| few.contains(name)) {
+        let surface = &scene.surface;
+        let sky = Harmonic::new(Multiscale::new(&surface.terrain, 1, 1.0, 0.0), 4);
+        let of_face = |(face, levels): (usize, &perilune::terrain::Face)| {
+            (0..levels.levels.len()).map(|level| shares(surface, [face, level], &sky)).collect()
+        };
+        let shares = surface.terrain.faces.iter().enumerate().map(of_face).collect();
+        scene.ambient = Some(Ambient { radiance_w_m2_sr: 100.0, shares });
+        let reference = Reference.samples(&scene, &view).unwrap();
+        let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
+        let agreement = compare(&scene, &reference, &pass);
+        assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
+        scene.ambient = None;
+        let dark = Passes::new(gpu).samples(&scene, &view).unwrap();
+        assert!(compare(&scene, &reference, &dark).radiance < 0.9, "{name}: the sky gives no light");
+    }
+}
