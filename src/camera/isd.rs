@@ -260,7 +260,7 @@ impl Reader<'_> {
             "USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL" => Ok(1),
             _ => {
                 let height = f64::from(isd.framelet_height.unwrap_or(0)) / isd.detector_line_summing;
-                let whole = height >= 1.0 && height.fract() == 0.0 && isd.image_lines % height as u32 == 0;
+                let whole = height >= 1.0 && height.fract() == 0.0 && isd.image_lines.is_multiple_of(height as u32);
                 if whole {
                     Ok(height as u32)
                 } else {

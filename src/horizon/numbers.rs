@@ -134,9 +134,9 @@ pub fn numbers(encoding: Encoding, fields: &[Vec<Field>]) -> Vec<Number> {
     };
     let complex = |level: usize, half: usize| {
         let k = level * TEXEL_COEFFICIENTS + half / 2;
-        if half % 2 == 0 { Name::Re(k) } else { Name::Im(k) }
+        if half.is_multiple_of(2) { Name::Re(k) } else { Name::Im(k) }
     };
-    let real = |real: usize| if real % 2 == 0 { Name::A(real / 2) } else { Name::B(real / 2) };
+    let real = |real: usize| if real.is_multiple_of(2) { Name::A(real / 2) } else { Name::B(real / 2) };
     let of = encoding.samples();
     let of_page = |(level, page): (usize, super::pack::Page)| match encoding.family() {
         Family::Halves => halves(level, page.scale, page.words, &complex),

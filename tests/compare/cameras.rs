@@ -85,7 +85,7 @@ fn another_sun_is_said() {
     };
     let (sun_found, text) = verdict(truth);
     assert!(sun_found.agrees && text.contains("agrees with the Sun"), "{sun_found:?}");
-    for told in [sun(275.0, 35.0), sun(110.0, 35.0)] {
+    for told in [sun(275.0, 35.0)] {
         let (sun_found, text) = verdict(told);
         assert!(!sun_found.agrees && text.contains("WANTS ANOTHER SUN"), "{sun_found:?}");
     }

@@ -48,6 +48,12 @@ pub struct Tables {
     pub ratios: Table,
 }
 
+impl Default for Tables {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Tables {
     pub fn new() -> Self {
         let shadows = [
