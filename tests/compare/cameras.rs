@@ -85,10 +85,8 @@ fn another_sun_is_said() {
     };
     let (sun_found, text) = verdict(truth);
     assert!(sun_found.agrees && text.contains("agrees with the Sun"), "{sun_found:?}");
-    for told in [sun(275.0, 35.0)] {
-        let (sun_found, text) = verdict(told);
-        assert!(!sun_found.agrees && text.contains("WANTS ANOTHER SUN"), "{sun_found:?}");
-    }
+    let (sun_found, text) = verdict(sun(275.0, 35.0));
+    assert!(!sun_found.agrees && text.contains("WANTS ANOTHER SUN"), "{sun_found:?}");
 }
 
 /// One row an instant, 20 m apart. Northwards, the image's rows run against the sensor's lines, as they do on half of
