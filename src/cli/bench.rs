@@ -31,6 +31,17 @@ enum Bench {
         #[command(flatten)]
         output: Output,
     },
+    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones.
+    Encodings {
+        /// Two scenes, smaller patches
+        #[arg(long)]
+        quick: bool,
+        /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.
+        #[arg(long)]
+        data: Vec<PathBuf>,
+        #[command(flatten)]
+        output: Output,
+    },
     /// Where the time of an image goes.
     Frame {
         #[command(flatten)]
@@ -92,6 +103,10 @@ pub fn run(args: Args) -> Outcome {
             let mut options = horizons::Options::new(quick, data);
             options.program = std::env::current_exe().ok();
             (horizons::run(&options, &bars)?, output)
+        }
+        Bench::Encodings { quick, mut data, output } => {
+            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
+            (horizons::run_encodings(&horizons::Options::new(quick, data), &bars)?, output)
         }
         Bench::Frame { scene, frames, repeat, output } => {
             let options = frame::Options { exposures: frames, repeat, cache: scene.cache };
