@@ -51,11 +51,16 @@ impl PosedCamera {
     /// Where an image coordinate looks from and to: the pose of the exposure that holds it. `None` off the image's
     /// rows and where the optics see nothing.
     pub fn ray(&self, pixel: DVec2) -> Option<(Position<BodyFixed>, Direction<BodyFixed>)> {
+        let (pose, direction) = self.look(pixel)?;
+        Some((pose.position, pose.camera_from_body.inverse() * direction))
+    }
+
+    /// The pose of the exposure that holds an image coordinate, and where it looks in the camera's own axes.
+    pub fn look(&self, pixel: DVec2) -> Option<(&Pose, Direction<geometry::Camera>)> {
         let rows = f64::from(self.optics.rows);
         let exposure = ((pixel.y + 0.5) / rows).floor().min(self.poses.len() as f64 - 1.0);
         let pose = self.poses.get(exposure as usize).filter(|_| exposure >= 0.0)?;
-        let direction = self.optics.direction(DVec2::new(pixel.x, pixel.y - exposure * rows))?;
-        Some((pose.position, pose.camera_from_body.inverse() * direction))
+        Some((pose, self.optics.direction(DVec2::new(pixel.x, pixel.y - exposure * rows))?))
     }
 
     /// The same image in pixels about `factor` times as large. A line scanner's lines are merged: a row is then as

@@ -12,8 +12,8 @@ use super::{Outcome, about, say};
 /// Hold a mission photograph against a render of the same view.
 ///
 /// The view is rendered with the true camera and the true Sun over the elevation models given, registered with the
-/// photograph, fitted photometrically and compared, at the coarser of the two resolutions. Terrain, pose and Sun are
-/// never touched. A page with pictures and JSON with the numbers are written.
+/// photograph, fitted photometrically and compared, at the coarser of the two resolutions. Terrain and Sun are never
+/// touched, the pose with --fit-pose alone. A page with pictures and JSON with the numbers are written.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -37,6 +37,9 @@ pub struct Args {
     /// How the image may be moved to meet the render
     #[arg(long, value_enum, default_value_t)]
     register: Registration,
+    /// Turn the camera as the motion of the image asks, set its focal length, and render once more
+    #[arg(long)]
+    fit_pose: bool,
     /// What may lie between radiance and the photograph's numbers
     #[arg(long, value_enum, default_value_t)]
     fit: Fit,
@@ -159,6 +162,7 @@ pub fn run(args: Args) -> Outcome {
         force: args.force,
         law: args.photometry.map(Law::from),
         freedom: args.register.into(),
+        fit_pose: args.fit_pose,
         model: args.fit.into(),
         dark: args.dark,
         pixels: args.size,

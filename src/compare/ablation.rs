@@ -49,9 +49,10 @@ const HARD: f64 = 0.01;
 /// Blocks along a side of the image.
 const BLOCKS: usize = 8;
 
-/// Turns of the Sun that are tried: near its place, and far from it.
+/// Azimuths that are tried first, all around the sky.
+const AROUND_DEG: [f64; 6] = [0.0, -60.0, 60.0, -120.0, 120.0, 180.0];
+/// Turns about the best of those, in azimuth and elevation, through which a parabola is laid.
 const NEAR_DEG: [f64; 2] = [20.0, 5.0];
-const FAR_DEG: [f64; 2] = [-120.0, 120.0];
 /// Turns that still agree. Elevation is told from contrast, which the law of reflection and film change too: on the
 /// Apollo frames it comes out 3 degrees too high, azimuth within half a degree.
 const AGREES_DEG: [f64; 2] = [10.0, 5.0];
@@ -109,41 +110,49 @@ pub fn run(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn 
     Ok(rows)
 }
 
-/// Where the photograph has the Sun: high-pass correlations with Suns turned from the true place.
+/// Where the photograph has the Sun: high-pass correlations with Suns turned from the place that was told.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sun {
     /// Azimuth and elevation of the turn in degrees, and the correlation.
     pub tried: Vec<[f64; 3]>,
-    /// The vertex of a parabola through the near ones, in azimuth and in elevation; absent where it has no maximum.
+    /// The vertex of a parabola about the best azimuth, in azimuth and in elevation; absent where it has no maximum.
     pub best_turn_deg: [Option<f64>; 2],
-    /// Both vertices lie within 10 and 5 degrees, and no Sun far away is liked better.
+    /// Both vertices lie within 10 and 5 degrees.
     pub agrees: bool,
 }
 
 /// Turns the Sun, without cast shadows: shading says enough.
 pub fn sun(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Sun, Error> {
     let [azimuth, elevation] = NEAR_DEG;
-    let far = FAR_DEG.map(|turn| [turn, 0.0]);
-    let near = [[0.0, 0.0], [-azimuth, 0.0], [azimuth, 0.0], [0.0, -elevation], [0.0, elevation]];
-    let turns: Vec<[f64; 2]> = near.into_iter().chain(far).collect();
-    progress.begin("turning the Sun", turns.len(), "directions");
+    let count = AROUND_DEG.len() + 4;
+    progress.begin("turning the Sun", count, "directions");
     let mut tried = Vec::new();
-    for turn in &turns {
-        let sun_turn_rad = turn.map(f64::to_radians);
+    let mut alike = |turn_deg: [f64; 2]| -> Result<f64, Error> {
+        let sun_turn_rad = turn_deg.map(f64::to_radians);
         let radiance = setting.radiance(studio, &Trial { shadows: false, sun_turn_rad, ..main.clone() })?;
-        tried.push([turn[0], turn[1], setting.registration(&radiance)?.correlation]);
-        progress.at(tried.len(), turns.len());
-    }
-    let vertex = |low: usize, high: usize, step: f64| {
-        let [a, b, c] = [low, 0, high].map(|index| tried[index][2]);
-        let bend = a - 2.0 * b + c;
-        (bend < 0.0).then(|| 0.5 * step * (a - c) / bend)
+        let correlation = setting.registration(&radiance)?.correlation;
+        tried.push([turn_deg[0], turn_deg[1], correlation]);
+        progress.at(tried.len(), count);
+        Ok(correlation)
     };
-    let best_turn_deg = [vertex(1, 2, azimuth), vertex(3, 4, elevation)];
-    let close =
+    let mut best = (AROUND_DEG[0], alike([AROUND_DEG[0], 0.0])?);
+    for turn in &AROUND_DEG[1..] {
+        let correlation = alike([*turn, 0.0])?;
+        best = if correlation > best.1 { (*turn, correlation) } else { best };
+    }
+    let (turn, top) = best;
+    let by_azimuth = vertex(alike([turn - azimuth, 0.0])?, top, alike([turn + azimuth, 0.0])?);
+    let by_elevation = vertex(alike([turn, -elevation])?, top, alike([turn, elevation])?);
+    let best_turn_deg = [by_azimuth.map(|v| turn + azimuth * v), by_elevation.map(|v| elevation * v)];
+    let agrees =
         best_turn_deg.iter().zip(AGREES_DEG).all(|(turn, allowed)| turn.is_some_and(|turn| turn.abs() <= allowed));
-    let agrees = close && tried[near.len()..].iter().all(|[_, _, correlation]| *correlation < tried[0][2]);
     Ok(Sun { tried, best_turn_deg, agrees })
+}
+
+/// Where a parabola through values at -1, 0 and 1 is highest; `None` where it has no maximum.
+fn vertex(below: f64, middle: f64, above: f64) -> Option<f64> {
+    let bend = below - 2.0 * middle + above;
+    (bend < 0.0).then(|| 0.5 * (below - above) / bend)
 }
 
 impl Setting<'_> {

@@ -4,7 +4,8 @@
 //! registered, and what is left is told in numbers, pictures and variants of the physics ([`study`]).
 //!
 //! What is fitted is what the report names, and nothing else: a motion of the image ([`mod@register`]) and one
-//! photometric response ([`photometric`]). Terrain, poses, Sun and reflectance are never touched. An albedo map made
+//! photometric response ([`photometric`]). The pose that explains the motion is told, and taken where it is asked for
+//! ([`pose`]). Terrain, Sun and reflectance are never touched. An albedo map made
 //! from the photograph itself is refused ([`provenance`]).
 
 pub mod ablation;
@@ -16,6 +17,7 @@ pub mod geometry;
 pub mod grid;
 pub mod numbers;
 pub mod photometric;
+pub mod pose;
 mod prepare;
 pub mod profile;
 pub mod provenance;

@@ -56,6 +56,8 @@ pub struct Registration {
     pub sigma: Motion,
     pub correlation: f64,
     pub pixels: usize,
+    /// Gauss-Newton came to rest on shared ground. Where it did not, the motion is none and the deviations are unknown.
+    pub settled: bool,
 }
 
 /// Shifts up to this share of the image are looked for.
@@ -69,10 +71,14 @@ const ROUNDS: usize = 30;
 const REFINEMENTS: usize = 2;
 /// Motion of the image's corner in one round that ends the iteration.
 const SETTLED_PX: f64 = 1e-7;
+/// A motion of the image's corner by more than this share of the image has lost its way.
+const LOST: f64 = 0.5;
 /// Blocks along a side of the image for the covariance.
 const BLOCKS: usize = 8;
 
 impl Motion {
+    const UNKNOWN: Self = Self { shift_px: [f64::NAN; 2], rotation_rad: f64::NAN, scale: f64::NAN };
+
     pub fn apply(&self, columns: usize, rows: usize, at: DVec2) -> DVec2 {
         let middle = middle(columns, rows);
         let turned = DVec2::from_angle(self.rotation_rad).rotate(at - middle);
@@ -117,7 +123,7 @@ pub fn register_detail(
         return register(&detail, &detail, freedom);
     }
     let mut found = register(&photo.high_pass(high_pass_px), &render.high_pass(high_pass_px), freedom)?;
-    if freedom == Freedom::Nothing {
+    if freedom == Freedom::Nothing || !found.settled {
         return Ok(found);
     }
     for _ in 0..REFINEMENTS {
@@ -127,7 +133,16 @@ pub fn register_detail(
         };
         let (photo, moved) = (shared(photo, &moved), shared(&moved, photo));
         let mut fit = Fit { photo: &photo, render: &moved, gradient: gradient(&moved), freedom };
-        let (motion, sigma) = fit.settle(Motion::default())?;
+        let Some((motion, sigma)) = fit.settle(Motion::default()) else {
+            let correlation = correlation(photo.pairs(render));
+            return Ok(Registration {
+                motion: Motion::default(),
+                sigma: Motion::UNKNOWN,
+                correlation,
+                settled: false,
+                ..found
+            });
+        };
         found.motion = found.motion.after(&motion);
         found.sigma = sigma;
         found.correlation = correlation(photo.pairs(&warped(&moved, &motion)));
@@ -145,16 +160,23 @@ pub fn register(photo: &Grid, render: &Grid, freedom: Freedom) -> Result<Registr
     if !alike(Motion::default()).is_finite() {
         return Err(Error::Featureless { pixels });
     }
-    let fixed = |motion| Registration { freedom, motion, sigma: Motion::default(), correlation: alike(motion), pixels };
+    let unmoved = |sigma, settled| {
+        let motion = Motion::default();
+        Registration { freedom, motion, sigma, correlation: alike(motion), pixels, settled }
+    };
     let identical = photo.pairs(render).all(|(a, b)| a == b);
     if freedom == Freedom::Nothing || identical {
-        return Ok(fixed(Motion::default()));
+        return Ok(unmoved(Motion::default(), true));
     }
     let start = whole_pixels(photo, render);
     let [columns, rows] = start.map(|shift| shift as f64);
     let mut fit = Fit { photo, render, gradient: gradient(render), freedom };
-    let (motion, sigma) = fit.settle(Motion { shift_px: [columns, rows], ..Motion::default() })?;
-    Ok(Registration { freedom, motion, sigma, correlation: alike(motion), pixels })
+    Ok(match fit.settle(Motion { shift_px: [columns, rows], ..Motion::default() }) {
+        Some((motion, sigma)) => {
+            Registration { freedom, motion, sigma, correlation: alike(motion), pixels, settled: true }
+        }
+        None => unmoved(Motion::UNKNOWN, false),
+    })
 }
 
 /// The shift of largest correlation: first among all on coarse images, then about it on finer ones.
@@ -248,23 +270,31 @@ impl Fit<'_> {
         middle(self.photo.columns, self.photo.rows).length()
     }
 
-    fn settle(&mut self, start: Motion) -> Result<(Motion, Motion), Error> {
+    /// The motion and its deviations; `None` where the images drift apart or leave a motion open.
+    fn settle(&mut self, start: Motion) -> Option<(Motion, Motion)> {
         let mut motion = start;
         let mut photometry = self.photometry(&motion);
         for _ in 0..ROUNDS {
             let equations = self.equations(&motion, photometry);
-            let Some(step) = solve(equations.normal, equations.right) else {
-                return Err(Error::Featureless { pixels: self.photo.pairs(self.render).count() });
-            };
+            let step = solve(equations.normal, equations.right)?;
             let (next, moved_px) = self.stepped(&motion, &step);
             motion = next;
+            if self.is_lost(&motion) {
+                return None;
+            }
             photometry = self.photometry(&motion);
             if moved_px < SETTLED_PX {
                 break;
             }
         }
         let sigma = self.sigma(&self.equations(&motion, photometry));
-        Ok((motion, sigma))
+        Some((motion, sigma))
+    }
+
+    fn is_lost(&self, motion: &Motion) -> bool {
+        let [x, y] = motion.shift_px;
+        let corner_px = x.hypot(y) + self.arm_px() * motion.rotation_rad.hypot(motion.scale);
+        corner_px.is_nan() || corner_px > LOST * self.photo.columns.max(self.photo.rows) as f64
     }
 
     /// Gain and offset under a motion.

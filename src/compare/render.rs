@@ -131,15 +131,27 @@ impl Studio {
             AdapterChoice::Auto if !traced => Gpu::open(Adapter::Auto).ok(),
             AdapterChoice::Auto | AdapterChoice::Cpu => None,
         };
+        let mut studio = Self { scene, views: Vec::new(), up: stage.up, gpu };
+        studio.restage(stage);
+        Ok(studio)
+    }
+
+    /// Sees the same scene through another stage's camera.
+    pub fn restage(&mut self, stage: &Stage) {
         let view = |(index, pose): (usize, &crate::camera::Pose)| View {
             exposure: index as u64,
             camera_position: pose.position,
             camera_from_body: pose.camera_from_body,
             lights: stage.lights.to_vec(),
         };
-        let views = stage.camera.poses.iter().enumerate().map(view).collect();
-        let scene = Scene { optics: stage.camera.optics.clone(), samples_per_side: stage.samples, ..scene };
-        Ok(Self { scene, views, up: stage.up, gpu })
+        self.views = stage.camera.poses.iter().enumerate().map(view).collect();
+        self.scene.optics = stage.camera.optics.clone();
+        self.scene.samples_per_side = stage.samples;
+        self.up = stage.up;
+    }
+
+    pub fn surface(&self) -> &Surface {
+        &self.scene.surface
     }
 
     pub fn adapter(&self) -> String {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value as Json, json};
 
+use super::pose::PoseFit;
 use super::study::{AlbedoSource, Comparison, SLOPE_SIGMA};
 use super::{Error, Freedom, figures};
 use crate::dataset;
@@ -38,7 +39,8 @@ impl Comparison {
             Freedom::Shift => "a shift of the image",
             Freedom::Similarity => "shift, rotation and scale of the image",
         };
-        format!("Fitted to the photograph: {motion}; photometric response: {}. Nothing else.", self.model.name())
+        let pose = if self.fitted_pose.is_some() { "turn and focal length of the camera; then " } else { "" };
+        format!("Fitted to the photograph: {pose}{motion}; photometric response: {}. Nothing else.", self.model.name())
     }
 
     /// Whether the photograph agrees with the Sun; empty where it was not asked.
@@ -56,6 +58,12 @@ impl Comparison {
     pub fn notes(&self) -> Vec<String> {
         let r = &self.resolution;
         let mut notes = vec![self.first_line(), self.fitted_line()];
+        if !self.registration.settled {
+            notes.push(
+                "REGISTRATION FAILED: no motion brings photograph and render together; they are compared unmoved."
+                    .into(),
+            );
+        }
         notes.extend(self.sun_line());
         notes.extend([
             format!("Geometry: {}. Elevation: {}.", self.geometry, self.dems.join(", ")),
@@ -78,7 +86,9 @@ impl Comparison {
     }
 
     pub fn tables(&self) -> Vec<Table> {
-        let mut tables = vec![self.registration_table(), self.numbers_table()];
+        let mut tables = vec![self.registration_table()];
+        tables.extend(self.pose_tables());
+        tables.push(self.numbers_table());
         tables.extend(self.shadow_tables());
         if !self.ablation.is_empty() {
             tables.push(self.ablation_table());
@@ -98,13 +108,12 @@ impl Comparison {
         tables
     }
 
-    /// The motion, and the pose that would explain it.
+    /// The motion, in pixels and on the ground.
     fn registration_table(&self) -> Table {
         let columns = [("motion", ""), ("fitted", ""), ("sigma", ""), ("unit", "")];
         let mut table = Table::new("registration", "Where the photograph's pixels lie on the render", &columns);
         let (found, sigma) = (self.registration.motion, self.registration.sigma);
         let pixel_m = self.resolution.compared_pixel_m;
-        let (range_m, mrad) = (self.resolution.range_m, pixel_m / self.resolution.range_m * 1e3);
         for (name, value, error, unit) in [
             ("shift along columns", found.shift_px[0], sigma.shift_px[0], "px"),
             ("shift along rows", found.shift_px[1], sigma.shift_px[1], "px"),
@@ -112,13 +121,35 @@ impl Comparison {
             ("scale", 100.0 * found.scale, 100.0 * sigma.scale, "%"),
             ("shift along columns, on the ground", found.shift_px[0] * pixel_m, sigma.shift_px[0] * pixel_m, "m"),
             ("shift along rows, on the ground", found.shift_px[1] * pixel_m, sigma.shift_px[1] * pixel_m, "m"),
-            ("or: camera turned about its rows' axis", found.shift_px[1] * mrad, sigma.shift_px[1] * mrad, "mrad"),
-            ("or: camera turned about its columns' axis", found.shift_px[0] * mrad, sigma.shift_px[0] * mrad, "mrad"),
-            ("or: camera farther by", found.scale * range_m, sigma.scale * range_m, "m"),
         ] {
             table.rows.push(vec![name.into(), value.into(), error.into(), unit.into()]);
         }
         table
+    }
+
+    /// The pose that was taken, and the one that explains what is left.
+    fn pose_tables(&self) -> Vec<Table> {
+        let of = |name, title, pose: &PoseFit| {
+            let mut table = Table::new(name, title, &[("camera", ""), ("found", ""), ("sigma", ""), ("unit", "")]);
+            let turn = |axis: usize| [pose.turn_rad[axis], pose.turn_sigma_rad[axis]].map(f64::to_degrees);
+            let focal = [pose.focal, pose.focal_sigma];
+            // Seen smaller by a shorter focal length or from farther away.
+            let range = focal.map(|share| share * self.resolution.range_m);
+            for (name, [value, sigma], unit) in [
+                ("roll, about the boresight", turn(2), "deg"),
+                ("pitch, about the image's right", turn(0), "deg"),
+                ("yaw, about the image's down", turn(1), "deg"),
+                ("focal length, longer by", focal.map(|share| 100.0 * share), "%"),
+                ("or: nearer by", range, "m"),
+            ] {
+                table.rows.push(vec![name.into(), value.into(), sigma.into(), unit.into()]);
+            }
+            table.rows.push(vec!["left of the motion".into(), pose.left_px.into(), Value::Missing, "px".into()]);
+            table
+        };
+        let taken = self.fitted_pose.as_ref().map(|pose| of("fitted_pose", "The pose that was fitted and taken", pose));
+        let left = self.pose.as_ref().map(|pose| of("pose", "The pose that explains the motion", pose));
+        taken.into_iter().chain(left).collect()
     }
 
     fn numbers_table(&self) -> Table {
@@ -236,6 +267,8 @@ impl Comparison {
                 "high_pass_px": self.resolution.high_pass_px,
             },
             "registration": self.registration,
+            "pose": self.pose,
+            "fitted_pose": self.fitted_pose,
             "response": self.response,
             "numbers": self.numbers,
             "responses": self.responses.iter().map(|(model, response, numbers)| {

@@ -24,6 +24,8 @@ pub struct Request {
     /// `None`: a scenario's own, else lunar-Lambert.
     pub law: Option<Law>,
     pub freedom: Freedom,
+    /// Take the pose that explains the motion, and render once more.
+    pub fit_pose: bool,
     pub model: Model,
     /// Jung's dark level, a share of the photograph's largest number.
     pub dark: f64,

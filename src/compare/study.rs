@@ -21,6 +21,7 @@ use super::ablation::{self, Row};
 use super::edges::{self, Confusion, Displacement};
 use super::numbers::Numbers;
 use super::photometric::{Model, Response};
+use super::pose::{self, PoseFit};
 use super::prepare::{Prepared, no_ground, prepared};
 use super::profile::{self, Bin, Profile};
 use super::register::{Registration, register_detail, warped};
@@ -55,7 +56,12 @@ pub struct Comparison {
     pub model: Model,
     pub albedo: AlbedoSource,
     pub resolution: Resolution,
+    /// Left after `fitted_pose`, where there is one.
     pub registration: Registration,
+    /// The pose that explains the registration.
+    pub pose: Option<PoseFit>,
+    /// The pose that was fitted and taken.
+    pub fitted_pose: Option<PoseFit>,
     pub response: Response,
     pub numbers: Numbers,
     /// Every photometric model with its fit.
@@ -104,24 +110,44 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let albedo = check_albedo(request)?;
     let picture = Picture::open(&request.photo, request.band)?;
     let main = main_trial(request)?;
-    let Prepared { geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
+    let Prepared { mut geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
     let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
-    let camera = geometry.camera.coarser(resolution.render_factor())?;
-    let sky = Sky::of(&geometry, &camera, &scene.surface).ok_or_else(|| no_ground(request, &geometry))?;
+    let mut camera = geometry.camera.coarser(resolution.render_factor())?;
+    let mut sky = Sky::of(&geometry, &camera, &scene.surface).ok_or_else(|| no_ground(request, &geometry))?;
     let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
     let mut studio = Studio::new(&stage, scene, request.adapter)?;
 
-    progress.begin("rendering", 1, "image");
-    let planes = studio.whole(&main)?;
-    progress.at(1, 1);
+    let passes = 1 + usize::from(request.fit_pose);
+    progress.begin("rendering", passes, "images");
+    let mut planes = studio.whole(&main)?;
+    progress.at(1, passes);
     let seen = |image: Grid| resolution.seen(image);
     let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
     let photo = seen(photo);
     let photo = photo.without_border(border(photo.columns), border(photo.rows));
-    let radiance = seen(planes.grid("RADIANCE"));
+    let mut radiance = seen(planes.grid("RADIANCE"));
     let high_pass_px = resolution.high_pass_px;
-    let registration = register_detail(&photo, &radiance, high_pass_px, request.freedom)?;
+    let registered = |radiance: &Grid| register_detail(&photo, radiance, high_pass_px, request.freedom);
+    let mut registration = registered(&radiance)?;
+    let explained = |geometry: &Geometry, studio: &Studio, registration: &Registration| {
+        let compared = geometry.camera.coarser(resolution.factor())?;
+        Ok::<_, Error>(pose::explain(&compared, studio.surface(), registration))
+    };
+    let mut pose = explained(&geometry, &studio, &registration)?;
+    let fitted_pose = pose.filter(|_| request.fit_pose);
+    if let Some(fitted) = &fitted_pose {
+        geometry.camera = fitted.apply(&geometry.camera);
+        camera = geometry.camera.coarser(resolution.render_factor())?;
+        sky = Sky::of(&geometry, &camera, studio.surface()).ok_or_else(|| no_ground(request, &geometry))?;
+        let samples = samples(request, &resolution);
+        studio.restage(&Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples });
+        planes = studio.whole(&main)?;
+        progress.at(passes, passes);
+        radiance = seen(planes.grid("RADIANCE"));
+        registration = registered(&radiance)?;
+        pose = explained(&geometry, &studio, &registration)?;
+    }
     let moved = |image: &Grid| warped(image, &registration.motion);
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
@@ -174,6 +200,8 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         by_slope: profile::binned(&photo, &fitted, &slope, 2.5),
         profiles: profile::across_shadows(&photo, &fitted, &sun_fraction, sky.towards_sun),
         registration,
+        pose,
+        fitted_pose,
         response,
         photo,
         fitted,

@@ -33,10 +33,20 @@ pub struct Findings<'a> {
 impl Findings<'_> {
     pub fn report(&self) -> Result<Report, Error> {
         let pictures = [
-            ("lit_share", "Share of the time lit, 0 to 1", &self.maps.lit_share, 1.0),
-            ("disc_share", "Mean share of the Sun's light seen, 0 to 1", &self.maps.disc_share, 1.0),
-            ("earth_share", "Share of the time with the Earth's centre in sight, 0 to 1", &self.maps.earth_share, 1.0),
-            ("longest_night", "Longest night, white is 30 days", &self.maps.longest_night_h, 720.0),
+            ("lit_share", "Share of the time lit: black never, white always", &self.maps.lit_share, 1.0),
+            (
+                "disc_share",
+                "Mean share of the Sun's light seen: black none, white all of it",
+                &self.maps.disc_share,
+                1.0,
+            ),
+            (
+                "earth_share",
+                "Share of the time with the Earth's centre in sight: black never, white always",
+                &self.maps.earth_share,
+                1.0,
+            ),
+            ("longest_night", "Longest night: black none, white 30 days and more", &self.maps.longest_night_h, 720.0),
         ];
         let pictures = pictures.map(|(name, caption, plane, white)| self.picture(name, caption, plane, white));
         Ok(Report {

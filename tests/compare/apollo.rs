@@ -21,6 +21,7 @@ fn request(folder: &std::path::Path, photo: &str, cache: &std::path::Path) -> Re
         force: false,
         law: Some(Law::LunarLambert),
         freedom: Freedom::Similarity,
+        fit_pose: false,
         model: Model::Gain,
         dark: 0.0,
         pixels: None,

@@ -1,7 +1,7 @@
 //! Frame, line-scan and push-frame cameras: ISDs of known cameras, photographs by a few independent lines.
 
-use glam::DVec2;
-use perilune::compare::{Comparison, Error, compare};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use perilune::compare::{Comparison, Error, Request, compare};
 use perilune::pipeline::Silent;
 use serde_json::{Value, json};
 
@@ -70,6 +70,71 @@ fn a_field_of_view_wrong_by_half_a_percent_is_found() {
     // The render is magnified: the photograph's pixels lie farther apart on it.
     assert!((registration.motion.scale - 0.005).abs() < 5e-4, "{registration:?}");
     assert!(registration.sigma.scale < 5e-4, "{registration:?}");
+}
+
+/// A flight whose camera is turned in its own axes.
+struct Turned(Flight, DQuat);
+
+impl Carrier for Turned {
+    fn at(&self, time_s: f64) -> (DVec3, DMat3) {
+        let (position, axes) = self.0.at(time_s);
+        (position, axes * DMat3::from_quat(self.1))
+    }
+}
+
+/// The photograph's camera is turned about its three axes and has a longer lens; its ISD does not know. The turns move
+/// the image by 2.4, 1.8 and, at its corner, 0.5 pixels. What is found holds to the 0.1 pixels that terrain and
+/// shading leave (`assert_meets`), and no motion is left once the pose is taken.
+#[test]
+fn a_turned_camera_is_found_and_its_pose_explains_the_motion() {
+    let sun = sun(290.0, 35.0);
+    let (about_x, about_y, about_z, longer) = (3e-3, -4e-3, 5e-3, 0.004);
+    // Sensor x runs against lines, y along samples: the image's right is y, its downward axis -x.
+    let turn = DQuat::from_scaled_axis(DVec3::new(about_x, about_y, about_z));
+    let photo = photograph(&Turned(frame_flight(), turn), sun, |column, row| {
+        let (time, plane) = frame_pixel(column, row);
+        (time, plane.map(|mm| mm / (1.0 + longer)))
+    });
+    let case = Case::new(&isd(FRAME, &frame_flight(), sun), &photo);
+    let told = compare(&case.request(), &Silent).unwrap();
+    let taken = compare(&Request { fit_pose: true, ..case.request() }, &Silent).unwrap();
+    assert_eq!(taken.fitted_pose, told.pose, "what is told is what is taken");
+    let pose = told.pose.unwrap();
+    let pixel_rad = PITCH_MM / FOCAL_MM;
+    let expected = [about_y, -about_x, about_z];
+    for ((got, expected), allowed) in pose.turn_rad.iter().zip(expected).zip([0.1 * pixel_rad, 0.1 * pixel_rad, 1e-3]) {
+        assert!((got - expected).abs() < allowed, "{pose:?}");
+    }
+    assert!((pose.focal - longer).abs() < 1e-3 && pose.left_px < 0.1, "{pose:?}");
+    assert!(pose.turn_sigma_rad.iter().all(|sigma| (0.0..1e-3).contains(sigma)), "{pose:?}");
+    assert_meets(&taken);
+    let left = taken.pose.unwrap();
+    assert!(left.turn_rad.iter().all(|turn| turn.abs() < 1e-3) && left.focal.abs() < 1e-3, "{left:?}");
+    assert!(taken.fitted_line().contains("turn and focal length of the camera"));
+    assert!(!told.fitted_line().contains("turn and focal length of the camera"));
+}
+
+#[test]
+fn another_sun_is_said() {
+    let truth = sun(290.0, 35.0);
+    let photo = photograph(&frame_flight(), truth, frame_pixel);
+    let verdict = |told| {
+        let case = Case::new(&isd(FRAME, &frame_flight(), told), &photo);
+        let mut request = case.request();
+        request.ablation = true;
+        let comparison = compare(&request, &Silent).unwrap();
+        (comparison.sun.clone().unwrap(), comparison.text())
+    };
+    let (sun_found, text) = verdict(truth);
+    assert!(sun_found.agrees && text.contains("agrees with the Sun"), "{sun_found:?}");
+    // Slightly wrong, and from the other side, where registration finds no motion at all.
+    for (told_deg, turn_deg) in [(275.0, 15.0), (110.0, 180.0)] {
+        let (sun_found, text) = verdict(sun(told_deg, 35.0));
+        assert!(!sun_found.agrees && text.contains("WANTS ANOTHER SUN"), "{sun_found:?}");
+        // Samples 20 degrees apart, a bend that is no parabola.
+        let off_deg = (sun_found.best_turn_deg[0].unwrap() - turn_deg + 180.0_f64).rem_euclid(360.0) - 180.0;
+        assert!(off_deg.abs() < 10.0, "{sun_found:?}");
+    }
 }
 
 /// One row an instant, 20 m apart. Northwards, the image's rows run against the sensor's lines, as they do on half of

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use perilune::raster::{Band, GeoTiff};
+
 use crate::cli::run::{Run, SMALL};
 
 fn rendered() -> Run {
@@ -24,6 +26,21 @@ fn tiff(run: &Run) -> PathBuf {
     let tiffs =
         files.filter(|path| path.extension().is_some_and(|extension| extension == "tif" || extension == "tiff"));
     tiffs.into_iter().next().expect("the run wrote a TIFF")
+}
+
+/// An even map of 100 km about the pole that says `source`.
+fn albedo_map(path: &Path, source: &str) {
+    const SIDE: usize = 64;
+    let (values, posting_m) = (vec![0.12; SIDE * SIDE], 100_000.0 / SIDE as f64);
+    GeoTiff {
+        columns: SIDE,
+        rows: SIDE,
+        bands: vec![Band { name: source, unit: "1", values: &values }],
+        crs: "+proj=stere +lat_0=-90 +lon_0=0 +R=1737400 +units=m +no_defs",
+        geotransform: [-50_000.0, posting_m, 0.0, 50_000.0, 0.0, -posting_m],
+    }
+    .write(path)
+    .unwrap();
 }
 
 #[test]
@@ -63,6 +80,30 @@ fn an_albedo_map_that_is_the_photograph_is_refused() {
         "{message}"
     );
     assert!(!run.path("report").exists());
+}
+
+/// A map under another name that says in its metadata that it was made from the photograph.
+#[test]
+fn a_forced_albedo_map_is_said_in_the_first_line() {
+    let run = rendered();
+    let photo = run.path("M1234567.tif");
+    std::fs::copy(tiff(&run), &photo).unwrap();
+    let map = run.path("map.tif");
+    albedo_map(&map, "mosaic of M1234567 and others");
+    let arguments = ["--albedo", map.to_str().unwrap(), "--no-ablation"];
+    let refused = compare(&run, &photo, &arguments);
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && message.contains("names m1234567"), "{message}");
+    let output = compare(&run, &photo, &[&arguments[..], &["--force"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let said = "NOT A FAIR COMPARISON (forced): the albedo map holds the compared photograph";
+    assert!(text.lines().next().unwrap().starts_with(said), "{text}");
+    let html = std::fs::read_to_string(run.path("report/compare.html")).unwrap();
+    let first = html.split("<p>").nth(1).unwrap();
+    assert!(first.starts_with(said), "{first}");
+    let json = std::fs::read_to_string(run.path("report/compare.json")).unwrap();
+    assert!(json.contains("\"fair\": false"));
 }
 
 #[test]

@@ -183,6 +183,7 @@ impl Case {
             force: false,
             law: Some(perilune::compare::Law::LommelSeeliger),
             freedom: Freedom::Similarity,
+            fit_pose: false,
             model: Model::Gain,
             dark: 0.0,
             pixels: None,
