@@ -206,6 +206,7 @@ pub fn scene(
     Ok(Scene {
         surface: ground.surface.clone(),
         shadows,
+        refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,
         albedo,
         ambient,

@@ -39,6 +39,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if scenario.refine {
+        settings["refine"] = true.into();
+    }
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
     }
