@@ -94,7 +94,7 @@ fn the_penumbra_of_a_straight_edge_is_the_share_of_the_disc() {
 /// it may be off by what bounds leave out.
 #[test]
 fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
-    let row = Row { west_m: 1700.0, east_m: 2150.0 };
+    let row = Row { west_m: 1700.0, east_m: 2370.0 };
     let map = map(&flat_body());
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
     let scene = |shadows: Shadows, refine: Option<Settings>| {
