@@ -8,6 +8,7 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+pub mod auto;
 mod check;
 mod error;
 pub mod globe;
@@ -95,6 +96,7 @@ pub struct Prepared {
     pub frame: BodyFrame,
     pub ground: ground::Ground,
     pub exposures: Vec<Exposure>,
+    pub shadows: auto::Choice,
 }
 
 /// Kernels, terrain and poses of a scenario.
@@ -107,7 +109,11 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
-    Ok(Prepared { almanac, frame, ground, exposures })
+    let shadows = auto::choose(scenario, &ground.surface, &exposures);
+    if let Some(why) = &shadows.why {
+        progress.say(why);
+    }
+    Ok(Prepared { almanac, frame, ground, exposures, shadows })
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -145,7 +151,7 @@ pub fn scene(
     cache: &Path,
     progress: &dyn Progress,
 ) -> Result<Scene, Error> {
-    let Prepared { ground, exposures, .. } = prepared;
+    let Prepared { ground, exposures, shadows: choice, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
         Albedo::Map(path) => Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?),
@@ -167,7 +173,8 @@ pub fn scene(
         ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
     let terrain = &ground.surface.terrain;
-    let shadows = match &scenario.shadows {
+    let shadows = match &choice.shadows {
+        scenario::Shadows::Auto { .. } => unreachable!("the choice has been made"),
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
@@ -199,6 +206,7 @@ pub fn scene(
     Ok(Scene {
         surface: ground.surface.clone(),
         shadows,
+        refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,
         albedo,
         ambient,
@@ -219,8 +227,9 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let gpu = open_adapter(options.adapter, scenario, progress)?;
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
+    let gpu = gpu.filter(|_| options.adapter != AdapterChoice::Auto || !is_traced(&prepared.shadows.shadows));
     if let Some(gpu) = &gpu {
-        let horizons = scenario.shadows.need_maps().then_some(scenario.horizon.encoding);
+        let horizons = prepared.shadows.shadows.need_maps().then_some(scenario.horizon.encoding);
         DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
     }
     seconds.terrain = lap(start);
@@ -283,13 +292,16 @@ fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error>
     Ok(range)
 }
 
+fn is_traced(shadows: &scenario::Shadows) -> bool {
+    *shadows == scenario::Shadows::Traced
+}
+
 /// The device that renders; `None`: the reference renderer does.
 fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progress) -> Result<Option<Gpu>, Error> {
-    let traced = scenario.shadows == scenario::Shadows::Traced;
     match choice {
         AdapterChoice::Cpu => Ok(None),
         AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
-        AdapterChoice::Auto if traced => {
+        AdapterChoice::Auto if is_traced(&scenario.shadows) => {
             progress.say("traced shadows: rendering with the reference renderer on the CPU");
             Ok(None)
         }

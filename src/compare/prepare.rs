@@ -54,6 +54,7 @@ fn of_file(
     let scene = Scene {
         ambient: None,
         shadows: horizons(&ground.surface, &request.cache, progress)?,
+        refine: None,
         surface: ground.surface,
         reflectance: main.reflectance,
         albedo,

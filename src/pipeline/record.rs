@@ -25,16 +25,27 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         seed: scenario.seed,
         software: software(adapter),
         inputs: prepared.ground.inputs.iter().cloned().chain(kernels).collect(),
-        settings: serde_json::json!({
-            "frame": prepared.frame.frame_name,
-            "shadows": format!("{:?}", scenario.shadows),
-            "ambient": scenario.ambient,
-            "photometry": format!("{:?}", scene.reflectance),
-            "limb_darkening": scene::disk_name(scenario),
-            "samples_per_pixel": scenario.camera.samples_per_pixel,
-            "resampling": prepared.ground.resampling,
-        }),
+        settings: settings(scenario, prepared, scene),
     }
+}
+
+fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_json::Value {
+    let mut settings = serde_json::json!({
+        "frame": prepared.frame.frame_name,
+        "shadows": format!("{:?}", prepared.shadows.shadows),
+        "ambient": scenario.ambient,
+        "photometry": format!("{:?}", scene.reflectance),
+        "limb_darkening": scene::disk_name(scenario),
+        "samples_per_pixel": scenario.camera.samples_per_pixel,
+        "resampling": prepared.ground.resampling,
+    });
+    if scenario.refine {
+        settings["refine"] = true.into();
+    }
+    if let Some(why) = &prepared.shadows.why {
+        settings["shadows_chosen"] = why.as_str().into();
+    }
+    settings
 }
 
 /// How previews are scaled.

@@ -20,6 +20,8 @@ pub enum Quantity {
     NoiseFreeDigitalNumber,
     /// Share of the solar disc's light above horizon and facet plane, averaged over the pixel.
     SunFraction,
+    /// Standard deviation of that share at the pixel's centre, from the errors of compressed horizons; nothing where there are none.
+    SunFractionSigma,
     /// Share of the pixel covered by the body.
     Hit,
     /// 1 where the pixel's centre sees ground without DEM heights, 0 elsewhere.
@@ -47,7 +49,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Radiance,
         Self::GroundIrradiance,
         Self::RadianceFactor,
@@ -55,6 +57,7 @@ impl Quantity {
         Self::DigitalNumber,
         Self::NoiseFreeDigitalNumber,
         Self::SunFraction,
+        Self::SunFractionSigma,
         Self::Hit,
         Self::DemGap,
         Self::Depth,
@@ -79,6 +82,7 @@ impl Quantity {
             Self::DigitalNumber => &["DN"],
             Self::NoiseFreeDigitalNumber => &["DN_NOISE_FREE"],
             Self::SunFraction => &["SUN_FRACTION"],
+            Self::SunFractionSigma => &["SUN_FRACTION_SIGMA"],
             Self::Hit => &["HIT"],
             Self::DemGap => &["DEM_GAP"],
             Self::Depth => &["DEPTH"],
@@ -99,7 +103,12 @@ impl Quantity {
             Self::Radiance => "W m-2 sr-1",
             Self::GroundIrradiance | Self::FocalPlaneIrradiance => "W m-2",
             Self::DigitalNumber | Self::NoiseFreeDigitalNumber => "DN",
-            Self::RadianceFactor | Self::SunFraction | Self::Hit | Self::DemGap | Self::Normal => "1",
+            Self::RadianceFactor
+            | Self::SunFraction
+            | Self::SunFractionSigma
+            | Self::Hit
+            | Self::DemGap
+            | Self::Normal => "1",
             Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance => "m",
             Self::Latitude | Self::Longitude | Self::Incidence | Self::Emission | Self::Phase => "deg",
         }

@@ -9,6 +9,7 @@ pub mod layout;
 pub mod passes;
 pub mod planes;
 pub mod reference;
+pub mod refine;
 pub mod view;
 
 pub use image::{Image, Plane, Quantity};

@@ -26,7 +26,7 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{RenderError, Renderer, Scene, Shadows, View};
+use super::{RenderError, Renderer, Scene, Shadows, View, refine};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
@@ -95,7 +95,9 @@ impl Renderer for Passes<'_> {
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
-        Ok(Samples { pixels, centres })
+        let mut samples = Samples { pixels, centres };
+        refine::settle(scene, view, &mut samples);
+        Ok(samples)
     }
 }
 

@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Image, Plane, Quantity, Scene, View};
+use super::{Image, Plane, Quantity, Scene, View, refine};
 use crate::geometry::{BodyFixed, Direction, Position};
 use crate::terrain::{Ground, Hit};
 
@@ -42,8 +42,8 @@ impl Quantity {
             | NoiseFreeDigitalNumber
             | SunFraction
             | Hit => false,
-            DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence | Emission | Phase
-            | GroundSampleDistance => true,
+            SunFractionSigma | DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence
+            | Emission | Phase | GroundSampleDistance => true,
         }
     }
 }
@@ -126,6 +126,7 @@ fn geometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, hit: 
         single(a.zip(b).map_or(f64::NAN, |(a, b)| a.angle_to(b).to_degrees()))
     };
     match quantity {
+        Quantity::SunFractionSigma => single(refine::sun_fraction_sigma(scene, view, hit)),
         Quantity::Range => single(hit.distance_m),
         Quantity::Depth => {
             let boresight = view.camera_from_body.inverse().turn(DVec3::Z);

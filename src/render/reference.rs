@@ -17,6 +17,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::planes::{Radiometry, Samples, normal};
+use super::refine::Settled;
 use super::{Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
@@ -52,6 +53,9 @@ impl Renderer for Reference {
 
 fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
     let surface = &scene.surface;
+    if let Some(settled) = Settled::of(scene) {
+        return Some(Box::new(settled));
+    }
     if let Some(method) = scene.shadows.towards() {
         let skylines = Skylines::default().towards(surface, method, &view.held_lights());
         return Some(Box::new(Fetched { surface, skylines }));
@@ -70,7 +74,8 @@ fn look(scene: &Scene, view: &View, pixel: DVec2) -> Option<Hit> {
     scene.surface.intersect(view.camera_position, view.camera_from_body.inverse() * direction)
 }
 
-fn mean(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
+/// What a pixel's samples see on average.
+pub fn mean(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
     let mut sum = Sample::default();
     let mut hits = 0.0;
     for &offset in offsets {
@@ -138,6 +143,23 @@ fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit) -> f64 {
     }
 }
 
+/// A hit on terrain, and a light's disc as its facet sees it.
+pub fn site<'a>(
+    scene: &'a Scene,
+    hit: &Hit,
+    normal: Direction<BodyFixed>,
+    (index, light): (usize, &Light),
+) -> Option<(Site<'a>, Disc<'a>)> {
+    let Ground::Dem { face, level, lifted } = hit.ground else { return None };
+    let towards = hit.position.direction_to(light.position)?;
+    let map = &scene.surface.terrain.faces[face].map;
+    let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
+    let angular_radius_rad = light.angular_radius_rad;
+    let facet = axes.facet(map.map_from_body * normal, angular_radius_rad);
+    let disc = Disc { light: index, disk: &scene.disk, axes, angular_radius_rad, facet };
+    Some((Site { map, face, level, lifted }, disc))
+}
+
 struct Lit {
     irradiance: f64,
     fraction: f64,
@@ -154,17 +176,12 @@ fn illuminate(
         return Lit { irradiance: 0.0, fraction: 0.0 };
     };
     let radius_rad = light.angular_radius_rad;
-    let (seen, facet) = match hit.ground {
-        Ground::Dem { face, level, lifted } => {
-            let map = &scene.surface.terrain.faces[face].map;
-            let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
-            let facet = axes.facet(map.map_from_body * normal, radius_rad);
-            let disc = Disc { light: index, disk: &scene.disk, axes, angular_radius_rad: radius_rad, facet };
-            let site = Site { map, face, level, lifted };
-            let seen = shadow.map_or_else(|| scene.disk.light(HorizonLine::NONE, facet), |s| s.light(&site, &disc));
-            (seen, facet)
+    let (seen, facet) = match site(scene, hit, normal, (index, light)) {
+        Some((site, disc)) => {
+            let open = || scene.disk.light(HorizonLine::NONE, disc.facet);
+            (shadow.map_or_else(open, |shadow| shadow.light(&site, &disc)), disc.facet)
         }
-        Ground::Bare | Ground::Gap => {
+        None => {
             let facet = SunAxes::new(towards, normal).facet(normal, radius_rad);
             (scene.disk.light(HorizonLine::NONE, facet), facet)
         }

@@ -14,6 +14,8 @@ use super::Quantity;
 pub struct Scene {
     pub surface: Surface,
     pub shadows: Shadows,
+    /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
+    pub refine: Option<crate::horizon::Settings>,
     pub reflectance: Reflectance,
     /// What multiplies the reflectance at the nodes of each face's levels; `None`: nothing.
     pub albedo: Option<Vec<Vec<Vec<f32>>>>,
@@ -114,9 +116,9 @@ impl View {
 }
 
 impl Scene {
-    /// True where any of the quantities needs the ray through the pixel's centre.
+    /// True where refinement or any of the quantities needs the ray through the pixel's centre.
     pub fn needs_centres(&self) -> bool {
-        self.quantities.iter().any(|quantity| quantity.is_geometric())
+        self.refine.is_some() || self.quantities.iter().any(|quantity| quantity.is_geometric())
     }
 
     /// Offsets of the samples from the pixel's centre, in pixels.

@@ -132,6 +132,11 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     let exposures = motion::exposures(&spec.exposures, check);
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
+    check.needs(
+        !spec.refine || spec.shadows.need_maps(),
+        "refine",
+        "needs shadows: Fourier or Baked, whose errors are known",
+    );
     Scenario {
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
@@ -143,6 +148,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         terrain,
         horizon: world::horizon(&spec.horizon, check),
         shadows: spec.shadows.clone(),
+        refine: spec.refine,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),
         sun: world::sun(&spec.sun, has_terrain, check),

@@ -30,6 +30,8 @@ pub struct Scenario {
     pub terrain: Option<Terrain>,
     pub horizon: Horizon,
     pub shadows: Shadows,
+    /// Whether tracing settles what horizon maps leave open.
+    pub refine: bool,
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,

@@ -21,13 +21,48 @@ pub struct FourierMaps<'a> {
     pub maps: &'a [Vec<HorizonMap>],
 }
 
+impl FourierMaps<'_> {
+    /// Standard deviation of the share of a disc that is seen; `None` where nothing is known of the skyline's error.
+    pub fn sigma(&self, site: &Site, disc: &Disc) -> Option<f64> {
+        let (map, grid) = self.at(site);
+        let sigma_rad = map.sigma_rad(grid)?;
+        let [below, above] = self.between(site, disc, sigma_rad).map(|light| light.fraction);
+        Some((above - below).abs() / 2.0)
+    }
+
+    /// Whether the skyline's bound lets more than one share of a disc be seen.
+    pub fn is_open(&self, site: &Site, disc: &Disc) -> bool {
+        let (map, grid) = self.at(site);
+        map.bound_rad(grid).is_none_or(|bound_rad| {
+            let [below, above] = self.between(site, disc, bound_rad);
+            below != above
+        })
+    }
+
+    /// The light above a skyline that is lower by an angle, and higher by it.
+    fn between(&self, site: &Site, disc: &Disc, off_rad: f64) -> [DiskLight; 2] {
+        let [elevation_rad, slope] = self.skyline(site, disc);
+        [-off_rad, off_rad].map(|off_rad| line(site, disc, elevation_rad + off_rad, slope))
+    }
+
+    /// Elevation and slope at the azimuth of the disc's centre.
+    fn skyline(&self, site: &Site, disc: &Disc) -> [f64; 2] {
+        let (map, grid) = self.at(site);
+        let towards = site.map.map_direction(site.lifted.truncate(), disc.axes.sun);
+        map.horizon(grid).evaluate_towards(towards.normalize_or(DVec2::Y)).into()
+    }
+
+    /// The map that a site lies on, and where on it.
+    fn at(&self, site: &Site) -> (&HorizonMap, DVec2) {
+        let level = &self.surface.terrain.faces[site.face].levels[site.level];
+        let grid = level.grid_from_map(site.lifted.truncate()) - level.margin as f64;
+        (&self.maps[site.face][site.level], grid)
+    }
+}
+
 impl Shadow for FourierMaps<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
-        let level = &self.surface.terrain.faces[site.face].levels[site.level];
-        let at_m = site.lifted.truncate();
-        let series = self.maps[site.face][site.level].horizon(level.grid_from_map(at_m) - level.margin as f64);
-        let towards = site.map.map_direction(at_m, disc.axes.sun);
-        let (elevation_rad, slope) = series.evaluate_towards(towards.normalize_or(DVec2::Y));
+        let [elevation_rad, slope] = self.skyline(site, disc);
         line(site, disc, elevation_rad, slope)
     }
 }

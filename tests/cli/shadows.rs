@@ -22,6 +22,23 @@ fn every_method_runs_and_stands_in_the_manifest() {
     }
 }
 
+#[test]
+fn auto_says_what_it_chose_and_why() {
+    for (written, recorded) in
+        [("Auto()", "Swath { azimuth_step_deg: 0.15 }"), ("Auto(max_irradiance_error: 0)", "Traced")]
+    {
+        let run = with_shadows(written);
+        let output = run.sim(&["--frames", "0..1"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains(&format!("shadows: {recorded}")), "{written}: {said}");
+        let manifest: serde_json::Value = serde_json::from_slice(&run.files()["manifest.json"]).unwrap();
+        let settings = &manifest["run"]["settings"];
+        assert_eq!(settings["shadows"], recorded);
+        let why = settings["shadows_chosen"].as_str().unwrap();
+        assert!(why.starts_with(&format!("shadows: {recorded}")) && said.contains(why), "{why}");
+    }
+}
+
 /// The Sun goes around the Moon's sky once a month.
 #[test]
 fn a_swath_of_a_month_is_refused_before_anything_is_swept() {

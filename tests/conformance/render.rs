@@ -78,6 +78,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
     Scene {
         surface: Surface::new(terrain),
         shadows: Shadows::None,
+        refine: None,
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
         albedo: None,
         ambient: None,

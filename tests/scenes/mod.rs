@@ -70,6 +70,7 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
     Scene {
         surface: Surface::new(terrain),
         shadows: Shadows::None,
+        refine: None,
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
         albedo: None,
         ambient: None,

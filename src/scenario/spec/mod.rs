@@ -42,6 +42,10 @@ pub struct Spec {
     /// How shadows are cast.
     #[serde(default)]
     pub shadows: Shadows,
+    /// Settles by tracing, pixel by pixel, what horizon maps leave open: where their own error could change the Sun's share.
+    /// For the shadows Fourier and Baked. Takes seconds an image.
+    #[serde(default)]
+    pub refine: bool,
     /// How the ground reflects light.
     #[serde(default)]
     pub surface: Surface,

@@ -166,6 +166,14 @@ fn default_azimuths() -> u32 {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Shadows {
+    /// By the method that is ready soonest of those that are right enough: a swath where a sequence lasts hours at most, a sweep
+    /// for each of a few exposures, horizon maps for more, tracing where nothing else will do. The run says which, and why.
+    Auto {
+        /// RMS error of the irradiance, in full Suns, that the shadows may have on terrain like the measured.
+        #[serde(default = "default_max_irradiance_error")]
+        #[schemars(range(min = 0.0, max = 1.0))]
+        max_irradiance_error: f64,
+    },
     /// From Fourier-compressed horizon maps, evaluated at every sample.
     #[default]
     Fourier,
@@ -228,6 +236,11 @@ pub enum Shadows {
     Traced,
     /// No cast shadows; the ground still turns away from the Sun.
     Off,
+}
+
+/// What all methods but the coarse ones reach.
+fn default_max_irradiance_error() -> f64 {
+    0.005
 }
 
 fn default_azimuth_step_deg() -> f64 {

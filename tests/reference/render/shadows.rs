@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec2;
 use perilune::geometry::Body;
-use perilune::render::{Scene, Shadows};
+use perilune::horizon::Settings;
+use perilune::render::{Quantity, Scene, Shadows, planes};
 use perilune::terrain::Terrain;
 
 use crate::scenes::{self, Grid, Row, SOLAR_RADIUS_RAD, flat_body, map};
@@ -87,6 +88,41 @@ fn the_penumbra_of_a_straight_edge_is_the_share_of_the_disc() {
             }
         }
     }
+}
+
+/// The map's series rounds the plateau's corners off; its bounds know. Where refined, the device's light is the host's; elsewhere
+/// it may be off by what bounds leave out.
+#[test]
+fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
+    let row = Row { west_m: 1700.0, east_m: 2370.0 };
+    let map = map(&flat_body());
+    let view = row.view(&map, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
+    let scene = |shadows: Shadows, refine: Option<Settings>| {
+        let quantities = vec![Quantity::SunFractionSigma];
+        Scene { shadows, refine, quantities, ..scenes::scene(step(), Row::optics()) }
+    };
+    let traced = scene(Shadows::Traced(Settings::default()), None);
+    let truth = &scenes::samples(&traced, &view)[0].1;
+    let maps = scene(scenes::fourier(&step()), None);
+    let sigma = |scene: &Scene, samples: &_| planes::image(scene, &view, samples).planes[0].values.clone();
+    assert!(sigma(&traced, truth).iter().all(|sigma| *sigma == 0.0));
+    let rms = |samples: &planes::Samples| {
+        let pairs = samples.pixels.iter().zip(&truth.pixels);
+        let sum: f64 = pairs.map(|(a, b)| f64::from(a.sun_fraction - b.sun_fraction).powi(2)).sum();
+        (sum / truth.pixels.len() as f64).sqrt()
+    };
+    let unrefined: Vec<_> = scenes::samples(&maps, &view).iter().map(|(_, samples)| rms(samples)).collect();
+    let uncertain = sigma(&maps, &scenes::samples(&maps, &view)[0].1);
+    let (lit, penumbra) = (uncertain[399], uncertain.iter().copied().fold(0.0, f32::max));
+    assert!(lit == 0.0 && penumbra > 0.001, "{lit} {penumbra}");
+    let refined = Scene { refine: Some(Settings::default()), ..maps };
+    for ((name, samples), unrefined) in scenes::samples(&refined, &view).iter().zip(unrefined) {
+        println!("{name}: RMS {unrefined} of the disc, refined {}", rms(samples));
+        assert!(rms(samples) < 0.1 * unrefined, "{name}: {} {unrefined}", rms(samples));
+        assert!(sigma(&refined, samples).iter().all(|sigma| *sigma < 1e-6));
+    }
+    let swept = scene(scenes::towards().into_iter().next().unwrap(), None);
+    assert!(sigma(&swept, truth).iter().all(|sigma| sigma.is_nan()));
 }
 
 /// Apex 200 m above level ground, base radius 400 m, under a Sun 20° high and nearly a point: the tip lies at
