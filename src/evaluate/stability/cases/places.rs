@@ -109,7 +109,7 @@ fn seam() -> Case {
 
 /// The shadow of a tower lies opposite the Sun, and in none of the seven other places that a turn or a mirror gives.
 fn handed() -> Case {
-    let tower = |at: DVec2| if at.abs().max_element() < 31.0 { 100.0 } else { 0.0 };
+    let tower = |at: DVec2| if at.abs().max_element() < 15.0 { 100.0 } else { 0.0 };
     let map = map(&flat_body());
     let places: Vec<DVec2> = [30.0f64, 150.0, 210.0, 330.0, 60.0, 120.0, 240.0, 300.0]
         .map(|azimuth_deg| DVec2::new(azimuth_deg.to_radians().sin(), azimuth_deg.to_radians().cos()))
