@@ -57,7 +57,7 @@ pub fn across_shadows(photo: &Grid, fitted: &Grid, sun_fraction: &Grid, towards_
             runs.push((length, start));
         }
     }
-    runs.sort_by(|a, b| b.0.cmp(&a.0));
+    runs.sort_by_key(|run| std::cmp::Reverse(run.0));
     let apart_px = APART * photo.columns.max(photo.rows) as f64;
     let mut chosen: Vec<(usize, DVec2)> = Vec::new();
     for run in runs {

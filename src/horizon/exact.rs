@@ -151,9 +151,7 @@ impl<'a> Exact<'a> {
                 let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
                 let best: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
                 // Lanes without a receiver want nothing.
-                for lane in (r.minors - start).min(LANES)..LANES {
-                    best[lane] = f32::INFINITY;
-                }
+                best[(r.minors - start).min(LANES)..].fill(f32::INFINITY);
                 let group = Group {
                     exact: self,
                     stencil,

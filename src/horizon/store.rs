@@ -104,7 +104,7 @@ pub struct Header {
     /// The swept level, then the coarser ones that only occlude.
     pub inputs: Vec<InputHeader>,
     pub errors: TileErrors,
-    /// In the order of the file; filled in by [`write`].
+    /// In the order of the file; filled in by [`write()`].
     pub pages: Vec<PageHeader>,
 }
 

@@ -31,10 +31,13 @@
 
 pub mod angle;
 pub mod beyond;
+#[allow(clippy::needless_range_loop, reason = "several arrays are indexed alike")]
 pub mod far;
 pub mod grid;
+#[allow(clippy::needless_range_loop, reason = "several arrays are indexed alike")]
 pub mod hull;
 pub mod line;
+#[allow(clippy::needless_range_loop, reason = "several arrays are indexed alike")]
 pub mod near;
 pub mod profile;
 pub mod ray;

@@ -88,7 +88,7 @@ impl Frame {
             return Err(value("cam_to_moon_me", format!("{:?}", self.cam_to_moon_me), "a rotation, within 1e-6"));
         }
         let positive = [("focal_mm", self.focal_mm), ("pixel_pitch_mm", self.pixel_pitch_mm)];
-        if let Some((key, got)) = positive.into_iter().filter(|(_, got)| !(1e-4..=1e5).contains(got)).next() {
+        if let Some((key, got)) = positive.into_iter().find(|(_, got)| !(1e-4..=1e5).contains(got)) {
             return Err(value(key, got.to_string(), "[1e-4, 1e5] mm"));
         }
         let sun_m = DVec3::from(self.sun_moon_me_m).length();

@@ -96,7 +96,8 @@ pub fn displacement(
             let crossing = |share: f64| sun_fraction.sample(at + share * towards_sun) - 0.5;
             let (here, ahead) = (crossing(0.0), crossing(1.0));
             // A new edge between this point and the next one towards the Sun.
-            if !(here * ahead < 0.0) {
+            let crosses = here * ahead < 0.0;
+            if !crosses {
                 continue;
             }
             let edge = at + here / (here - ahead) * towards_sun;

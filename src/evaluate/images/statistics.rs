@@ -55,16 +55,16 @@ pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> 
     for column in 0..N {
         let size = |row: &usize| matrix[*row][column].abs();
         let pivot = (column..N).max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        if !(matrix[pivot][column].abs() > 1e-14 * largest) {
+        let regular = matrix[pivot][column].abs() > 1e-14 * largest;
+        if !regular {
             return None;
         }
         matrix.swap(column, pivot);
         right.swap(column, pivot);
         for row in column + 1..N {
             let factor = matrix[row][column] / matrix[column][column];
-            for k in column..N {
-                matrix[row][k] -= factor * matrix[column][k];
-            }
+            let upper = matrix[column];
+            matrix[row].iter_mut().zip(upper).for_each(|(entry, above)| *entry -= factor * above);
             right[row] -= factor * right[column];
         }
     }

@@ -83,7 +83,7 @@ impl Hull {
         self.put(touched, point, [slope, intercept_m]);
     }
 
-    /// [`Self::push_on`] with the line through both points at hand.
+    /// A push with the line through both points at hand.
     #[inline(always)]
     pub fn put(&mut self, touched: usize, point: Point, [slope, intercept_m]: [f32; 2]) {
         let touched = if touched + 1 < CAPACITY { touched } else { self.thin_out(touched) };
