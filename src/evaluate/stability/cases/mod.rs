@@ -62,11 +62,11 @@ fn passage_case(
     terrain: Terrain,
     limit_m: f64,
     reach_m: f64,
-    passages_: Vec<Passage>,
+    seen: Vec<Passage>,
 ) -> Case {
     let map = terrain.faces[0].map.clone();
-    let views = passages_.iter().map(|one| one.row.view(&map, one.light.clone())).collect();
-    let rows = passages_.into_iter().map(|one| (one.row, one.expected_m)).collect();
+    let views = seen.iter().map(|one| one.row.view(&map, one.light.clone())).collect();
+    let rows = seen.into_iter().map(|one| (one.row, one.expected_m)).collect();
     Case {
         number,
         name,
