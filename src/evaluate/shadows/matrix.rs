@@ -285,12 +285,11 @@ impl Truth {
     }
 }
 
-/// Points by name, and the frontier as a line.
+/// The frontier as a line, and points by name upon it.
 fn pareto(elevation_deg: f64, points: Vec<(String, [f64; 2])>) -> Plot {
-    let mut curves: Vec<_> =
-        points.iter().map(|(name, point)| Curve { name: name.clone(), points: vec![*point], joined: false }).collect();
-    let line = frontier(points.into_iter().map(|(_, point)| point).collect());
-    curves.push(Curve { name: "frontier".into(), points: line, joined: true });
+    let line = frontier(points.iter().map(|(_, point)| *point).collect());
+    let mut curves = vec![Curve { name: "frontier".into(), points: line, joined: true }];
+    curves.extend(points.into_iter().map(|(name, point)| Curve { name, points: vec![point], joined: false }));
     Plot {
         title: format!("Sun at {elevation_deg}°"),
         x: Axis::logarithmic("time of a frame [s]"),
