@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use perilune::evaluate::shadows::methods::{SLOW, USUAL};
-use perilune::evaluate::{Report, frame, horizons, shadows};
+use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
+use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
+use perilune::evaluate::{Report, frame, horizons, shadows, stability};
 use perilune::scenario;
 
 use super::bars::Bars;
@@ -55,7 +56,7 @@ enum Bench {
         #[command(flatten)]
         output: Output,
     },
-    /// One exposure with every shadow method against traced shadows.
+    /// One exposure with every shadow method against traced shadows, under its own Sun or at several elevations.
     Shadows {
         #[command(flatten)]
         scene: Scene,
@@ -65,9 +66,26 @@ enum Bench {
         /// Pixels along the longer side of the image
         #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=16384))]
         size: u32,
+        /// Elevations of a Sun that stands still instead, in degrees, written 0.5,1.5,3,6,15,35
+        #[arg(long, value_delimiter = ',', value_parser = elevation)]
+        elevations: Option<Vec<f64>>,
+        /// Frames that are timed at each elevation
+        #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        repeat: usize,
+        /// 256 pixels, Sun at 1.5°, 6° and 15°
+        #[arg(long, conflicts_with_all = ["size", "elevations"])]
+        quick: bool,
         /// A method to try, or `all`. Repeatable. [default: all but those that take minutes a frame]
         #[arg(long = "method", value_name = "NAME", value_parser = method)]
         methods: Vec<String>,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Hard numerical cases with known answers, for every shadow method.
+    Stability {
+        /// Where horizon tiles are kept for the next run.
+        #[arg(long, default_value = "output/cache")]
+        cache: PathBuf,
         #[command(flatten)]
         output: Output,
     },
@@ -112,11 +130,17 @@ pub fn run(args: Args) -> Outcome {
             let options = frame::Options { exposures: frames, repeat, cache: scene.cache };
             (frame::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
         }
-        Bench::Shadows { scene, exposure, size, methods, output } => {
-            let methods = all_of(methods);
-            let options = shadows::Options { exposure, pixels: size, methods, cache: scene.cache };
-            (shadows::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
+        Bench::Shadows { scene, exposure, size, elevations, repeat, quick, methods, output } => {
+            let (pixels, elevations) = if quick { (256, Some(QUICK_DEG.to_vec())) } else { (size, elevations) };
+            let options = shadows::Options { exposure, pixels, methods: all_of(methods), cache: scene.cache };
+            let scenario = scenario::load(&scene.scenario, &scene.data, &about)?;
+            let report = match elevations {
+                None => shadows::run(&scenario, &options, &bars)?,
+                Some(elevations_deg) => matrix::run(&scenario, &options, &elevations_deg, repeat, &bars)?,
+            };
+            (report, output)
         }
+        Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
     };
     bars.clear();
     print(&report, &output.output, output.json)
@@ -135,12 +159,16 @@ fn print(report: &Report, directory: &Path, json: bool) -> Outcome {
 }
 
 fn method(text: &str) -> Result<String, String> {
-    let known = [&USUAL[..], &SLOW].concat();
-    if text == "all" || known.contains(&text) {
-        Ok(text.into())
-    } else {
-        Err(format!("want all, {}", known.join(", ")))
+    match text == "all" || known(text) {
+        true => Ok(text.into()),
+        false => Err(format!("want all, {}", allowed())),
     }
+}
+
+/// In degrees, within what a fixed Sun of a scenario may have.
+fn elevation(text: &str) -> Result<f64, String> {
+    let allowed = |degrees: &f64| (-90.0..=90.0).contains(degrees);
+    text.parse().ok().filter(allowed).ok_or_else(|| "want degrees in [-90, 90]".into())
 }
 
 /// The methods meant by those named.

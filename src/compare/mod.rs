@@ -9,12 +9,9 @@
 //! from the photograph itself is refused ([`provenance`]).
 
 pub mod ablation;
-pub mod edges;
 mod error;
 mod figures;
-pub mod flip;
 pub mod geometry;
-pub mod grid;
 pub mod numbers;
 pub mod photometric;
 pub mod pose;
@@ -25,12 +22,11 @@ pub mod register;
 pub mod render;
 pub mod report;
 pub mod request;
-pub mod statistics;
 pub mod study;
 
+pub use crate::evaluate::images::{Grid, edges, flip, grid, statistics};
 pub use error::Error;
 pub use geometry::Geometry;
-pub use grid::Grid;
 pub use photometric::Model;
 pub use register::{Freedom, Registration, register};
 pub use request::{GeometrySource, Law, Request};

@@ -20,6 +20,7 @@ use serde::Serialize;
 
 use super::statistics::{correlation, quantile, spread};
 use super::{Grid, flip};
+use crate::evaluate::images::ssim;
 
 /// Of a photograph and a registered render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -45,9 +46,6 @@ pub struct Jung {
     pub within_3_sigma: f64,
 }
 
-/// Standard deviation of SSIM's window.
-const SSIM_PX: f64 = 1.5;
-
 impl Numbers {
     /// `render` in radiance, `fitted` in the photograph's numbers, both on its pixels.
     pub fn of(photo: &Grid, render: &Grid, fitted: &Grid, high_pass_px: f64, dark: f64) -> Self {
@@ -68,7 +66,7 @@ impl Numbers {
             normalised_rms: rms / (range[1] - range[0]),
             residual_sigma,
             within_3_sigma,
-            ssim: ssim(&photo, &fitted, range[1] - range[0]),
+            ssim: ssim::mean(&photo, &fitted, range[1] - range[0]),
             flip: flip::mean(&shown(&photo, range), &shown(&fitted, range)),
             jung: jung(&photo, &render, dark),
         }
@@ -106,22 +104,6 @@ fn jung(photo: &Grid, render: &Grid, dark: f64) -> Jung {
     let errors = photo.pairs(render).map(|(photo, render)| render / render_max - (photo / photo_max - dark).max(0.0));
     let (sigma, within_3_sigma) = within(errors);
     Jung { dark, sigma, within_3_sigma }
-}
-
-fn ssim(a: &Grid, b: &Grid, range: f64) -> f64 {
-    let (c1, c2) = ((0.01 * range).powi(2), (0.03 * range).powi(2));
-    let mean = |image: &Grid| image.blurred(SSIM_PX);
-    let product = |x: &Grid, y: &Grid| x.zip(y, |x, y| x * y);
-    let (ma, mb) = (mean(a), mean(b));
-    let [aa, bb, ab] = [(a, a), (b, b), (a, b)].map(|(x, y)| mean(&product(x, y)));
-    let at = |i: usize| {
-        let (ma, mb) = (ma.values[i], mb.values[i]);
-        let (va, vb, cov) = (aa.values[i] - ma * ma, bb.values[i] - mb * mb, ab.values[i] - ma * mb);
-        (2.0 * ma * mb + c1) * (2.0 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2))
-    };
-    let (sum, count) =
-        (0..a.values.len()).map(at).filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-    sum / count
 }
 
 #[cfg(test)]

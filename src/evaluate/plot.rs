@@ -33,7 +33,7 @@ const FRAME: [f64; 4] = [70.0, 450.0, 30.0, 350.0];
 const MARKED: usize = 60;
 
 /// Okabe and Ito's colours, told apart by the colour-blind.
-const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
+const COLOURS: [&str; 8] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442"];
 
 impl Plot {
     /// Values that an axis cannot show (no number, or not positive on a logarithmic one) are left out.

@@ -12,6 +12,7 @@
 //! Truth sums the disc in 24 columns: `V` within 1e-3 where the skyline is smooth across the disc, within a column's
 //! width where it has a step. Pixels on the bare spheroid and on gaps do not count.
 
+pub mod matrix;
 pub mod methods;
 
 use std::path::PathBuf;

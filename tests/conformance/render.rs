@@ -2,45 +2,14 @@
 
 use glam::{DVec2, DVec3};
 use perilune::camera::Camera as Optics;
+pub use perilune::evaluate::stability::scenes::cube;
+use perilune::evaluate::stability::scenes::{level, waves};
 use perilune::geometry::{Body, Geodetic, Position, Rotation};
 use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
 use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
-use perilune::terrain::{Face, Gnomonic, Ground, Level, Surface, Terrain};
-
-/// A level with the radius `radius_m(map direction)`, margin included.
-fn level(map: &Gnomonic, posting_m: f64, half: usize, margin: usize, height_m: &dyn Fn(DVec3) -> f64) -> Level {
-    let nodes = 2 * (half + margin) + 1;
-    let south_m = -((half + margin) as f64) * posting_m;
-    let mut level = Level {
-        columns: nodes,
-        rows: nodes,
-        posting_m,
-        west_m: south_m,
-        south_m,
-        heights_m: vec![0.0; nodes * nodes],
-        gap: vec![false; nodes * nodes],
-        margin,
-    };
-    for row in 0..nodes {
-        for column in 0..nodes {
-            let at_m = level.node_m(column, row);
-            let up = map.map_from_body.inverse() * map.up(at_m);
-            let index = level.index(column, row);
-            level.heights_m[index] = map.lifted_height_m(at_m, map.radius_m + height_m(up.unit())) as f32;
-        }
-    }
-    level
-}
-
-/// Waves on the sphere: the same on every map.
-fn waves(length_m: f64, height_m: f64) -> impl Fn(DVec3) -> f64 {
-    move |up| {
-        let k = 1_737_400.0 * std::f64::consts::TAU / length_m;
-        height_m * ((k * up.x).sin() + (k * up.y).sin() * (0.7 * k * up.z).cos())
-    }
-}
+use perilune::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
 
 fn nested() -> Terrain {
     let map = Gnomonic::about(&Body::moon(), Geodetic::from_degrees(-88.0, 25.0, 0.0));
@@ -59,17 +28,6 @@ fn nested() -> Terrain {
         fine.gap[index] = true;
     }
     Terrain { body: Body::moon(), faces: vec![Face { map, levels: vec![fine, coarse] }] }
-}
-
-pub fn cube(half: usize) -> Terrain {
-    let body = Body::moon();
-    let maps = Gnomonic::cube(&body, Geodetic::from_degrees(20.0, 30.0, 0.0));
-    let heights = waves(300_000.0, 3000.0);
-    let faces = maps.map(|map| {
-        let levels = vec![level(&map, map.radius_m / half as f64, half, 5, &heights)];
-        Face { map, levels }
-    });
-    Terrain { body, faces: faces.into() }
 }
 
 fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {

@@ -3,3 +3,4 @@
 mod horizons;
 mod illumination;
 mod shadows;
+mod stability;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use perilune::evaluate::Value;
+use perilune::evaluate::shadows::matrix;
 use perilune::evaluate::shadows::methods::{SLOW, USUAL};
 use perilune::evaluate::shadows::{Options, compare, reduced, run};
 use perilune::geometry::Position;
@@ -82,4 +83,30 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let turned = Reference.samples(&scene, &view).unwrap().pixels;
     let other = compare(&truth, &turned, &ground, full_w_m2);
     assert!(other.agreement < 0.9 && other.irradiance.rms > 0.02, "{other:?}");
+}
+
+#[test]
+fn each_elevation_gets_its_rows_and_a_plot_with_a_frontier() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let methods: Vec<String> = ["none", "fourier", "baked-fm16"].map(str::to_owned).into();
+    let options = Options { exposure: 0, pixels: 48, methods, cache: folder.path().join("cache") };
+    let report = matrix::run(&small(folder.path()), &options, &[3.0, 12.0], 2, &Silent).unwrap();
+    let rows = &report.tables[0].rows;
+    let column = |name: &str| report.tables[0].columns.iter().position(|(column, _)| *column == name).unwrap();
+    let number = |row: usize, name: &str| match rows[row][column(name)] {
+        Value::Number(number) => number,
+        _ => f64::NAN,
+    };
+    assert_eq!((rows.len(), report.plots.len(), report.pictures.len()), (6, 2, 3));
+    for first in [0, 3] {
+        let [none, fourier, baked] = [first, first + 1, first + 2];
+        assert!(number(none, "RMS") > 2.0 * number(fourier, "RMS"), "{}", report.text());
+        assert!(number(none, "SSIM") < number(fourier, "SSIM"), "{}", report.text());
+        assert!(number(none, "FLIP") > number(baked, "FLIP"), "{}", report.text());
+        assert!(number(fourier, "horizon RMS") > 0.0 && number(fourier, "bytes per node") > 10.0);
+        assert!(number(fourier, "least") <= number(fourier, "frame"));
+        assert!(report.plots[first / 3].curves.iter().any(|curve| curve.joined && !curve.points.is_empty()));
+    }
+    // The lower the Sun, the more is wrong without shadows.
+    assert!(number(0, "agreement") < number(3, "agreement"), "{}", report.text());
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::evaluate::Error;
-use crate::horizon::{HorizonMap, Settings};
-use crate::pipeline::{Prepared, Progress, swath};
+use crate::horizon::{Encoding, HorizonMap, Memory, Settings};
+use crate::pipeline::{self, Prepared, Progress, ground, swath};
 use crate::render::Shadows;
 use crate::shadow::{Baked, Edge, Mipmaps, Multiscale, SingleAzimuth, Swept};
 
@@ -16,6 +16,27 @@ pub const SLOW: [&str; 5] = ["sweep", "single-azimuth", "single-azimuth-level", 
 
 /// Between two azimuths of swaths and sweeps, in degrees.
 const AZIMUTH_STEP_DEG: f64 = 0.15;
+
+/// An elevation and a slope, or a fourth of a float of maxima at each mip.
+const FIELD_BYTES: f64 = 8.0;
+const MAXIMA_BYTES: f64 = 4.0 / 3.0;
+
+/// Whether a method goes by this name.
+pub fn known(name: &str) -> bool {
+    [&USUAL[..], &SLOW].concat().contains(&name) || encoded(name).is_some()
+}
+
+/// All names, for people.
+pub fn allowed() -> String {
+    [&USUAL[..], &SLOW].concat().join(", ") + ", fourier-ENCODING, baked-ENCODING"
+}
+
+/// `fourier-fm16` and its like: horizon maps in an encoding that is not the scenario's.
+fn encoded(name: &str) -> Option<(&str, Encoding)> {
+    let (method, encoding) = name.split_once('-')?;
+    ["fourier", "baked"].contains(&method).then_some(())?;
+    Some((method, encoding.parse().ok()?))
+}
 
 /// What methods are made from.
 #[derive(Debug)]
@@ -49,7 +70,35 @@ impl Workshop<'_> {
             "mipmaps" => Shadows::Mipmaps(Mipmaps::reaching(&surface.terrain)),
             "multiscale" => Shadows::Towards(Box::new(Multiscale::new(&surface.terrain, 4, 2.0, 2f64.to_radians()))),
             "none" => Shadows::None,
-            _ => return Err(Error::Method { got: name.into(), allowed: [&USUAL[..], &SLOW].concat().join(", ") }),
+            _ => match encoded(name) {
+                Some(("fourier", encoding)) => Shadows::Fourier(self.encoded_maps(encoding, progress)?),
+                Some((_, encoding)) => Shadows::Baked(Baked(self.encoded_maps(encoding, progress)?)),
+                None => return Err(Error::Method { got: name.into(), allowed: allowed() }),
+            },
         })
+    }
+
+    fn encoded_maps(&self, encoding: Encoding, progress: &dyn Progress) -> Result<Vec<Vec<HorizonMap>>, Error> {
+        let folder = self.cache.join("horizon");
+        let surface = &self.prepared.ground.surface;
+        let finished = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
+        let maps = ground::horizons(surface, &self.settings, encoding, &folder, Memory::default(), progress, finished)?;
+        Ok(maps)
+    }
+
+    /// What a device holds for a method, per node of the terrain.
+    pub fn bytes_per_node(&self, shadows: &Shadows) -> f64 {
+        let levels = || self.prepared.ground.surface.terrain.faces.iter().flat_map(|face| &face.levels);
+        let seen = levels().map(|level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin));
+        let nodes = seen.sum::<usize>().max(1) as f64;
+        let maps =
+            |maps: &[Vec<HorizonMap>]| maps.iter().flatten().map(HorizonMap::bytes).sum::<usize>() as f64 / nodes;
+        match shadows {
+            Shadows::None | Shadows::Traced(_) => 0.0,
+            Shadows::Fourier(held) => maps(held),
+            Shadows::Baked(Baked(held)) => maps(held) + FIELD_BYTES,
+            Shadows::Towards(_) => FIELD_BYTES,
+            Shadows::Mipmaps(_) => MAXIMA_BYTES,
+        }
     }
 }

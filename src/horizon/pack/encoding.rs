@@ -16,6 +16,7 @@ pub enum Encoding {
     /// 12, four more at a quarter: 21 bytes.
     Fm12,
     /// 16, four more at an eighth: 21.25 bytes.
+    #[default]
     Fm16,
     /// 4 complex coefficients as half floats at full resolution (Fritsch 2025): 16 bytes.
     F4,
@@ -36,7 +37,6 @@ pub enum Encoding {
     /// The same in three words: 15.9 bytes.
     W16,
     /// The same in four words: 21.25 bytes.
-    #[default]
     W21,
 }
 

@@ -1,0 +1,9 @@
+//! How two grey images differ: structure, what an eye sees, and where the edges of shadows lie.
+
+pub mod edges;
+pub mod flip;
+pub mod grid;
+pub mod ssim;
+pub mod statistics;
+
+pub use grid::Grid;
