@@ -38,7 +38,8 @@ pub fn table() -> Table {
 /// Whether GRASS is installed.
 pub fn grass_version() -> Option<String> {
     let output = Command::new("grass").arg("--version").output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
+    // It names itself on standard error.
+    let text = String::from_utf8([output.stdout, output.stderr].concat()).ok()?;
     Some(text.lines().next()?.trim().to_owned()).filter(|line| !line.is_empty())
 }
 
