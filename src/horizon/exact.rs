@@ -30,7 +30,7 @@ use glam::{DVec2, DVec3};
 
 use super::Settings;
 use super::sweep::Receivers;
-use super::sweep::angle::{self, Place};
+use super::sweep::angle::Shape;
 use super::sweep::grid::{Grid, LANES, Major, NEVER_M};
 use super::sweep::ray::Ray;
 use super::sweep::wide::wide;
@@ -167,45 +167,13 @@ impl<'a> Exact<'a> {
 
     /// From slopes to elevations above the local horizontal, the bare sphere included.
     fn turn_into_elevations(&self, ray: &Ray, plane: &mut [f32]) {
-        wide(
-            #[inline(always)]
-            || self.turn_plain(ray, plane),
-        );
-    }
-
-    #[inline(always)]
-    fn turn_plain(&self, ray: &Ray, plane: &mut [f32]) {
-        let (fine, r) = (&self.grids[0], &self.receivers);
-        let radius_m = self.face.map.radius_m;
-        let coarsest = self.grids.last().expect("a face has levels");
-        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
-        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
-        let radii = |metres: f64| (metres / radius_m) as f32;
-        for u in 0..r.majors {
-            for start in (0..r.stride).step_by(LANES) {
-                let i = u * r.stride + start;
-                let heights: [f32; LANES] = std::array::from_fn(|lane| r.observers_m[i + lane] * radii(1.0));
-                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
-                let place = Place {
-                    major: radii(fine.origin_m.x + (u + r.margin) as f64 * fine.posting_m),
-                    minor: radii(fine.origin_m.y + (start + r.margin) as f64 * fine.posting_m),
-                    spacing: radii(fine.posting_m),
-                    direction: [ray.direction.x as f32, ray.direction.y as f32],
-                    end: [radii(end.x), radii(end.y)],
-                };
-                *slopes = angle::elevations_rad(&place, &heights, slopes);
-            }
-        }
+        let shape = Shape { map: &self.face.map, grids: &self.grids, receivers: &self.receivers, datum_m: 0.0 };
+        shape.turn_into_elevations(ray, 1.0, plane);
     }
 
     /// Lifted point of the ground under a receiver.
     pub fn foot(&self, u: usize, v: usize) -> DVec3 {
-        let level = &self.face.levels[self.level];
-        let (column, row) = match self.major {
-            Major::Row => (v, u),
-            Major::Column => (u, v),
-        };
-        level.lifted_node(column + level.margin, row + level.margin)
+        self.major.foot(&self.face.levels[self.level], u, v)
     }
 }
 

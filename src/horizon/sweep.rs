@@ -48,7 +48,7 @@ use glam::{DVec2, DVec3};
 use super::Settings;
 use super::trace::{Tracer, raised};
 use crate::terrain::{Face, Level};
-use angle::Place;
+use angle::Shape;
 use beyond::Beyond;
 use far::{BLOCK, Block, Far, Seats};
 use grid::{Grid, LANES, Major};
@@ -56,7 +56,7 @@ use line::Placed;
 use near::{Site, Stencil, larger, largest};
 use profile::Profile;
 use ray::Ray;
-use wide::{Registers, prefetch, wide, widest};
+use wide::{Registers, prefetch, widest};
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
@@ -87,12 +87,7 @@ impl Receivers {
         let mut observers_m = vec![0.0; majors * stride];
         for u in 0..majors {
             for v in 0..minors {
-                let (column, row) = match major {
-                    Major::Row => (v, u),
-                    Major::Column => (u, v),
-                };
-                let foot = level.lifted_node(column + level.margin, row + level.margin);
-                let observer = raised(&face.map, foot, settings.observer_height_m);
+                let observer = raised(&face.map, major.foot(level, u, v), settings.observer_height_m);
                 observers_m[u * stride + v] = (observer.z - datum_m) as f32;
             }
         }
@@ -160,7 +155,10 @@ impl<'a> Sweep<'a> {
                 self.add_beyond(registers, &far, &mut plane);
             },
         );
-        self.finish(&ray, &mut plane);
+        // Slopes were taken in metres per step along the major axis.
+        let shape =
+            Shape { map: &self.face.map, grids: &self.grids, receivers: &self.receivers, datum_m: self.datum_m };
+        shape.turn_into_elevations(&ray, (1.0 / ray.length) as f32, &mut plane);
         self.retrace(direction, &mut plane);
         plane
     }
@@ -262,45 +260,6 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// From slopes to elevations.
-    fn finish(&self, ray: &Ray, plane: &mut [f32]) {
-        wide(
-            #[inline(always)]
-            || self.finish_plain(ray, plane),
-        );
-    }
-
-    #[inline(always)]
-    fn finish_plain(&self, ray: &Ray, plane: &mut [f32]) {
-        let (fine, r) = (&self.grids[0], &self.receivers);
-        let radius_m = self.face.map.radius_m;
-        let scale = (1.0 / ray.length) as f32;
-        let (height_scale, datum) = ((1.0 / radius_m) as f32, (self.datum_m / radius_m) as f32);
-        let coarsest = self.grids.last().expect("a face has levels");
-        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
-        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
-        for u in 0..r.majors {
-            for start in (0..r.stride).step_by(LANES) {
-                let i = u * r.stride + start;
-                let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
-                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
-                let mut heights = [0.0; LANES];
-                for i in 0..LANES {
-                    slopes[i] *= scale;
-                    heights[i] = observers_m[i] * height_scale + datum;
-                }
-                let place = Place {
-                    major: ((fine.origin_m.x + (u + r.margin) as f64 * fine.posting_m) / radius_m) as f32,
-                    minor: ((fine.origin_m.y + (start + r.margin) as f64 * fine.posting_m) / radius_m) as f32,
-                    spacing: (fine.posting_m / radius_m) as f32,
-                    direction: [ray.direction.x as f32, ray.direction.y as f32],
-                    end: [(end.x / radius_m) as f32, (end.y / radius_m) as f32],
-                };
-                *slopes = angle::elevations_rad(&place, &heights, slopes);
-            }
-        }
-    }
-
     /// Traces the receivers whose tangent touched beyond the search distance.
     fn retrace(&self, direction: DVec2, plane: &mut [f32]) {
         if self.settings.search_m.is_none() {
@@ -320,12 +279,7 @@ impl<'a> Sweep<'a> {
 
     /// Lifted point of the ground under a receiver.
     pub fn foot(&self, u: usize, v: usize) -> DVec3 {
-        let level = &self.face.levels[self.level];
-        let (column, row) = match self.major {
-            Major::Row => (v, u),
-            Major::Column => (u, v),
-        };
-        level.lifted_node(column + level.margin, row + level.margin)
+        self.major.foot(&self.face.levels[self.level], u, v)
     }
 }
 

@@ -1,7 +1,13 @@
 //! Slopes to elevations, many receivers at once, in `f32`.
 
-use super::grid::LANES;
+use glam::DVec2;
+
+use super::Receivers;
+use super::grid::{Grid, LANES};
 use super::near::{larger, largest};
+use super::ray::Ray;
+use super::wide::wide;
+use crate::terrain::Gnomonic;
 
 /// What the receivers of a row share, lengths in map radii.
 #[derive(Debug, Clone, Copy)]
@@ -14,6 +20,55 @@ pub struct Place {
     pub direction: [f32; 2],
     /// (major, minor) coordinates at which the terrain ends in that direction.
     pub end: [f32; 2],
+}
+
+/// Where the receivers of a plane stand, and on which terrain.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape<'a> {
+    pub map: &'a Gnomonic,
+    /// The level that is looked from, then the coarser ones.
+    pub grids: &'a [Grid],
+    pub receivers: &'a Receivers,
+    /// What the receivers' heights are measured from.
+    pub datum_m: f64,
+}
+
+impl Shape<'_> {
+    /// From the slopes of all receivers, times `scale` in metres per map metre, to elevations above the local horizontal, the
+    /// bare sphere included.
+    pub fn turn_into_elevations(&self, ray: &Ray, scale: f32, plane: &mut [f32]) {
+        wide(
+            #[inline(always)]
+            || self.turn_plain(ray, scale, plane),
+        );
+    }
+
+    #[inline(always)]
+    fn turn_plain(&self, ray: &Ray, scale: f32, plane: &mut [f32]) {
+        let (fine, r) = (&self.grids[0], self.receivers);
+        let radius_m = self.map.radius_m;
+        let radii = |metres: f64| (metres / radius_m) as f32;
+        let (height_scale, datum) = (radii(1.0), radii(self.datum_m));
+        let coarsest = self.grids.last().expect("a face has levels");
+        let span = DVec2::new((coarsest.majors - 1) as f64, (coarsest.minors - 1) as f64) * coarsest.posting_m;
+        let end = DVec2::select(ray.direction.cmpgt(DVec2::ZERO), coarsest.origin_m + span, coarsest.origin_m);
+        for u in 0..r.majors {
+            for start in (0..r.stride).step_by(LANES) {
+                let i = u * r.stride + start;
+                let heights: [f32; LANES] = std::array::from_fn(|lane| r.observers_m[i + lane] * height_scale + datum);
+                let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
+                slopes.iter_mut().for_each(|slope| *slope *= scale);
+                let place = Place {
+                    major: radii(fine.origin_m.x + (u + r.margin) as f64 * fine.posting_m),
+                    minor: radii(fine.origin_m.y + (start + r.margin) as f64 * fine.posting_m),
+                    spacing: radii(fine.posting_m),
+                    direction: [ray.direction.x as f32, ray.direction.y as f32],
+                    end: [radii(end.x), radii(end.y)],
+                };
+                *slopes = elevations_rad(&place, &heights, slopes);
+            }
+        }
+    }
 }
 
 /// Elevations of the skyline, in radians, from lifted slopes and lifted heights in map radii:

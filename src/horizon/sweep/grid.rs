@@ -1,6 +1,6 @@
 //! A level's heights as a sweep wants them: rows along the minor axis, padded, gaps far below everything.
 
-use glam::{DVec2, Vec2Swizzles as _};
+use glam::{DVec2, DVec3, Vec2Swizzles as _};
 
 use crate::terrain::Level;
 
@@ -31,6 +31,15 @@ impl Major {
             Self::Row => vector.yx(),
             Self::Column => vector,
         }
+    }
+
+    /// Lifted point of the ground at a seen node of a level, by major and minor index.
+    pub fn foot(self, level: &Level, u: usize, v: usize) -> DVec3 {
+        let (column, row) = match self {
+            Self::Row => (v, u),
+            Self::Column => (u, v),
+        };
+        level.lifted_node(column + level.margin, row + level.margin)
     }
 }
 
