@@ -11,22 +11,13 @@ use tiff::encoder::{DirectoryEncoder, TiffKind};
 use tiff::tags::Tag;
 
 use super::store::Header;
-use crate::geometry::{Body, Geodetic};
 use crate::terrain::Gnomonic;
 
 /// Latitude and longitude of the centre of a map about the body's centre with north up; `None` for other maps.
 pub fn centre_deg(map: &Gnomonic) -> Option<[f64; 2]> {
-    let axes = map.map_from_body.matrix();
-    let (up, outward) = (axes.row(1), axes.row(2));
-    let latitude_rad = outward.z.clamp(-1.0, 1.0).asin();
-    // Where the meridians meet, the axis that points up tells the longitude that the map stands on.
-    let meridian = if outward.truncate().length() > 1e-9 { outward } else { -up * outward.z.signum() };
-    let longitude_rad = meridian.y.atan2(meridian.x);
-    let sphere =
-        Body { name: String::new(), naif_id: 0, equatorial_radius_m: map.radius_m, polar_radius_m: map.radius_m };
-    let north_up = sphere.local_from_body(Geodetic { latitude_rad, longitude_east_rad: longitude_rad, height_m: 0.0 });
-    let same = north_up.matrix().abs_diff_eq(axes, 1e-9) && map.origin.vector_m() == DVec3::ZERO;
-    same.then(|| [latitude_rad, longitude_rad].map(f64::to_degrees))
+    let (centre, north_up) = map.north_up();
+    let same = north_up.abs_diff_eq(map.map_from_body.matrix(), 1e-9) && map.origin.vector_m() == DVec3::ZERO;
+    same.then(|| [centre.latitude_rad, centre.longitude_east_rad].map(f64::to_degrees))
 }
 
 /// A map about such a centre as a PROJ string.

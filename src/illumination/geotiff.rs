@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::maps::Maps;
-use crate::geometry::{Body, Geodetic};
+use crate::horizon::georeference::proj4;
 use crate::raster::{self, Band, GeoTiff};
 use crate::terrain::{Gnomonic, Level};
 
@@ -34,27 +34,14 @@ impl Maps {
 
 /// PROJ string and GDAL's affine map of a level's seen part, `rows` of them.
 fn georeference(map: &Gnomonic, level: &Level, rows: usize) -> (String, [f64; 6]) {
-    let axes = map.map_from_body.matrix();
-    let (up, outward) = (axes.row(1), axes.row(2));
-    let latitude_rad = outward.z.clamp(-1.0, 1.0).asin();
-    // Where the meridians meet, the axis that points up tells the longitude that the map stands on.
-    let meridian = if outward.truncate().length() > 1e-9 { outward } else { -up * outward.z.signum() };
-    let longitude_east_rad = meridian.y.atan2(meridian.x);
-    let sphere =
-        Body { name: String::new(), naif_id: 0, equatorial_radius_m: map.radius_m, polar_radius_m: map.radius_m };
-    let north_up = sphere.local_from_body(Geodetic { latitude_rad, longitude_east_rad, height_m: 0.0 }).matrix();
+    let (centre, north_up) = map.north_up();
     // From the map's axes to east and north.
-    let turn = north_up * axes.transpose();
+    let turn = north_up * map.map_from_body.matrix().transpose();
     let turned = |at: DVec2| (turn * at.extend(0.0)).truncate();
     let (right, down) = (turned(DVec2::X) * level.posting_m, turned(DVec2::NEG_Y) * level.posting_m);
     let margin = level.margin as f64;
     let first = turned(level.map_from_grid(DVec2::new(margin, margin + (rows - 1) as f64)));
     let corner = first - 0.5 * (right + down);
-    let crs = format!(
-        "+proj=gnom +lat_0={} +lon_0={} +R={} +units=m +no_defs",
-        latitude_rad.to_degrees(),
-        longitude_east_rad.to_degrees(),
-        map.radius_m
-    );
+    let crs = proj4(map.radius_m, [centre.latitude_rad, centre.longitude_east_rad].map(f64::to_degrees));
     (crs, [corner.x, right.x, down.x, corner.y, right.y, down.y])
 }

@@ -46,6 +46,20 @@ impl Gnomonic {
         Self { origin: Position::from_m(origin_m), map_from_body: Rotation::from_matrix(local_from_body), radius_m }
     }
 
+    /// The map's centre seen from its centre of projection, and the axes (east, north, outward) of the map about it with
+    /// north up. At a pole the longitude is the one that the map stands on.
+    pub fn north_up(&self) -> (Geodetic, DMat3) {
+        let axes = self.map_from_body.matrix();
+        let (up, outward) = (axes.row(1), axes.row(2));
+        let latitude_rad = outward.z.clamp(-1.0, 1.0).asin();
+        // Where the meridians meet, the axis that points up tells the longitude that the map stands on.
+        let meridian = if outward.truncate().length() > 1e-9 { outward } else { -up * outward.z.signum() };
+        let centre = Geodetic { latitude_rad, longitude_east_rad: meridian.y.atan2(meridian.x), height_m: 0.0 };
+        let sphere =
+            Body { name: String::new(), naif_id: 0, equatorial_radius_m: self.radius_m, polar_radius_m: self.radius_m };
+        (centre, sphere.local_from_body(centre).matrix())
+    }
+
     /// The same map turned about its centre, so that `up_m` (a direction on this map) points up.
     pub fn turned_to(self, up_m: DVec2) -> Self {
         let Some(up) = up_m.try_normalize() else { return self };
