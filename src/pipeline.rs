@@ -174,11 +174,14 @@ pub fn scene(
     };
     let terrain = &ground.surface.terrain;
     let shadows = match &choice.shadows {
-        scenario::Shadows::Auto { .. } => unreachable!("the choice has been made"),
+        scenario::Shadows::Auto { .. } | scenario::Shadows::Preset(_) => unreachable!("the choice has been made"),
         scenario::Shadows::Off => Shadows::None,
         scenario::Shadows::Traced => Shadows::Traced(settings),
         scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
         scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
+        &scenario::Shadows::Series { visibility, coefficients, at } => {
+            scene::series(maps(settings)?, visibility, coefficients, at)
+        }
         &scenario::Shadows::Swath { azimuth_step_deg } => {
             let folder = cache.join("horizon");
             let swath = swath::swath(&ground.surface, exposures, azimuth_step_deg, &settings, &folder, progress)?;

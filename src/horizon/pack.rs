@@ -83,6 +83,17 @@ impl HorizonMap {
         }
     }
 
+    /// The map with its first coefficients only; `None` where it has fewer, or has none ([`Encoding::with_coefficients`]).
+    /// Nothing is known of its error.
+    pub fn with_coefficients(mut self, coefficients: u32) -> Option<Self> {
+        let encoding = self.encoding.with_coefficients(coefficients)?;
+        if encoding != self.encoding {
+            self.levels.truncate(encoding.pages().len());
+            (self.errors, self.bounds) = (TileErrors::default(), Bounds::unknown(self.columns, self.rows));
+        }
+        Some(Self { encoding, ..self })
+    }
+
     /// Whether the table of fields fits the encoding: none where there is nothing to describe.
     pub fn has_fields(&self) -> bool {
         let pages = self.encoding.pages();
@@ -266,6 +277,25 @@ pub(super) mod tests {
                     assert!((a - expected).abs() < 1e-3 && (b - expected).abs() < 1e-3, "{a} {b} {expected}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_first_coefficients_are_those_of_the_whole_series() {
+        let at = DVec2::new(17.3, 22.8);
+        for encoding in [Encoding::Fm16, Encoding::F16, Encoding::Fm12] {
+            let whole = series(&noise(encoding, 40, 40), at);
+            for coefficients in [4, 8, 12] {
+                let first = series(&noise(encoding, 40, 40).with_coefficients(coefficients).unwrap(), at);
+                assert_eq!(first.mean_rad, whole.mean_rad);
+                assert_eq!(first.harmonics_rad, whole.harmonics_rad[..coefficients as usize - 1]);
+            }
+        }
+        assert_eq!(noise(Encoding::Fm16, 8, 8).with_coefficients(8).unwrap().encoding, Encoding::Fm8);
+        for (encoding, coefficients) in
+            [(Encoding::Fm8, 12), (Encoding::Fm16, 10), (Encoding::W21, 8), (Encoding::Raw8, 4)]
+        {
+            assert!(noise(encoding, 8, 8).with_coefficients(coefficients).is_none(), "{encoding} {coefficients}");
         }
     }
 

@@ -125,6 +125,21 @@ impl SolarDisk {
         self.believed.visible_above(height)
     }
 
+    /// The same from a table, to 1e-6.
+    pub fn share_above(&self, height: f64) -> f64 {
+        self.fast.share_above(height)
+    }
+
+    /// Share of a column's light above `height` half heights from its middle, from a table.
+    pub fn share_of_column_above(&self, height: f64) -> f64 {
+        self.fast.chord_above(height)
+    }
+
+    /// The exponent of its limb darkening.
+    pub fn alpha(&self) -> f64 {
+        self.believed.alpha
+    }
+
     /// First moment of that light, across the line, in solar radii.
     pub fn moment_above(&self, height: f64) -> f64 {
         self.believed.moment_above(height)

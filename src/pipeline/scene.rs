@@ -7,7 +7,7 @@ use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, S
 use crate::render;
 use crate::scenario::{Albedo, Ambient, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
-use crate::shadow::{Mipmaps, Multiscale};
+use crate::shadow::{At, Lighting, Mipmaps, Multiscale, Visibility};
 use crate::terrain::{Face, Surface, Terrain};
 
 /// Wavelength of the photons that a detector counts where the scenario names no band.
@@ -106,6 +106,24 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     };
     reflectance.check()?;
     Ok(reflectance)
+}
+
+/// Lighting factors of horizon maps. What [`Visibility::Line`] gives at pixels is that and more with `Fourier`.
+pub fn series(
+    maps: Vec<Vec<HorizonMap>>,
+    visibility: Visibility,
+    coefficients: Option<u32>,
+    at: At,
+) -> render::Shadows {
+    let cut = |map: HorizonMap| match coefficients {
+        Some(coefficients) => map.with_coefficients(coefficients).expect("the scenario's check has asked"),
+        None => map,
+    };
+    let maps = maps.into_iter().map(|levels| levels.into_iter().map(cut).collect()).collect();
+    match (visibility, at) {
+        (Visibility::Line, At::Pixels) => render::Shadows::Fourier(maps),
+        _ => render::Shadows::Lighting(Lighting { maps, visibility, at }),
+    }
 }
 
 /// The search of maximum mipmaps that the scenario asks for.

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::{Light, View};
 use crate::geometry::{Body, BodyFixed, Camera, Position, Rotation};
+use crate::shadow::HeldLight;
 use crate::terrain::{Face, Gnomonic, Level};
 
 #[repr(C)]
@@ -77,6 +78,8 @@ pub struct BakeParameters {
     pub rows: u32,
     pub horizon_table: u32,
     pub horizon: [u32; 4],
+    pub radius_rad: f32,
+    pub padding: [u32; 3],
 }
 
 #[repr(C)]
@@ -189,8 +192,8 @@ impl MapLevel {
 
 impl BakeParameters {
     /// A level of a map with its series in the texels, and where its field begins.
-    pub fn new(map: &Gnomonic, level: &MapLevel, light: Position<BodyFixed>, offset: u32) -> Self {
-        let vector_m = map.map_vector(light);
+    pub fn new(map: &Gnomonic, level: &MapLevel, light: &HeldLight, offset: u32) -> Self {
+        let vector_m = map.map_vector(light.position);
         let distance_m = vector_m.length();
         Self {
             direction: with_w(vector_m / distance_m, 1.0 / distance_m),
@@ -202,6 +205,8 @@ impl BakeParameters {
             rows: level.rows,
             horizon_table: level.horizon_table,
             horizon: level.horizon,
+            radius_rad: light.angular_radius_rad as f32,
+            padding: [0; 3],
         }
     }
 }

@@ -30,6 +30,7 @@ use super::{RenderError, Renderer, Scene, Shadows, View, refine};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
+use crate::shadow::{At, Lighting};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
@@ -38,6 +39,7 @@ pub const SHADER: &str = concat!(
     include_str!("texels.wgsl"),
     include_str!("../terrain/surface.wgsl"),
     include_str!("../shadow/mipmaps.wgsl"),
+    include_str!("../shadow/visibility.wgsl"),
 );
 
 /// Pixels of one workgroup, as in the shader.
@@ -121,9 +123,9 @@ impl Prepared {
             scene.reflectance.constant(),
         ];
         constants.extend(SolarDisk::constants());
-        let skylines = match scene.shadows.towards() {
-            Some(_) => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
-            None => None,
+        let skylines = match scene.shadows.are_found_at_nodes() {
+            true => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
+            false => None,
         };
         constants.extend(ground.constants);
         // Fields take one page, whatever the horizon maps that they come from take.
@@ -135,6 +137,11 @@ impl Prepared {
             Shadows::Mipmaps(method) => {
                 constants.extend(method.constants());
                 3
+            }
+            Shadows::Lighting(Lighting { at: At::Nodes, .. }) => 5,
+            Shadows::Lighting(lighting) => {
+                constants.extend(lighting.visibility.constants());
+                4
             }
         };
         constants.push(("SKYLINES", f64::from(source)));

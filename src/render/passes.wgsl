@@ -66,7 +66,7 @@ override SAMPLES: u32;
 override CENTRE: u32;
 override FACES: u32;
 override LIGHTS: u32;
-// Where skylines come from: nowhere, series, fields of nodes, or runs over maximum mipmaps.
+// Where shadows come from: nowhere, series, skylines of nodes, runs over maximum mipmaps, lighting factors, or those of nodes.
 override SKYLINES: u32;
 override ALBEDO_MAP: bool;
 // Irradiance of a facet that sees the whole sky.
@@ -230,13 +230,25 @@ fn skyline(facet: Facet, light: u32, s: vec3f, radius_rad: f32) -> vec2f {
     } else {
         horizon = field_skyline(level, light, facet.grid);
     }
-    // A gnomonic map stretches distances from its centre by 1/cos^2 c along and 1/cos c across.
-    let stretch = 1.0 + dot(facet.at_m, facet.at_m) / (facet.radius_m * facet.radius_m);
-    let along = dot(facet.at_m, towards) / facet.radius_m;
-    let azimuth_ratio = (1.0 - along * along / stretch) * sqrt(stretch);
+    let slope = horizon.y * azimuth_ratio(facet.at_m, facet.radius_m, towards);
     let sin_elevation = dot(s, facet.up);
     let cos_elevation = sqrt(max(1.0 - sin_elevation * sin_elevation, 0.0));
-    return horizon_line(horizon.x, horizon.y * azimuth_ratio, sin_elevation, cos_elevation, radius_rad);
+    return horizon_line(horizon.x, slope, sin_elevation, cos_elevation, radius_rad);
+}
+
+// What is seen of a light's disc above the skyline and above the facet's own plane.
+fn light_seen(facet: Facet, index: u32, light: LightParameters, s: vec3f, plane: vec3f) -> DiskLight {
+    if SKYLINES < 4u || facet.frame == FACES {
+        let line = skyline(facet, index, s, light.radius_rad);
+        return disk_light(line.x, line.y, plane);
+    }
+    let level = map_levels[facet.level];
+    if SKYLINES == 5u {
+        return DiskLight(field_skyline(level, index, facet.grid).x, vec2f(0.0));
+    }
+    let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+    let poise = Poise(facet.at_m, facet.radius_m, facet.up, s, light.radius_rad);
+    return DiskLight(visible_share(horizon_profile(grid, facet.grid), poise), vec2f(0.0));
 }
 
 struct Sample {
@@ -254,8 +266,7 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
         let e_y = rise * inverseSqrt(max(dot(rise, rise), 1.0e-20));
         let e_x = cross(e_y, s);
         let plane = vec3f(dot(facet.normal, s) / light.radius_rad, dot(facet.normal, e_x), dot(facet.normal, e_y));
-        let line = skyline(facet, index, s, light.radius_rad);
-        let seen = disk_light(line.x, line.y, plane);
+        let seen = light_seen(facet, index, light, s, plane);
         let irradiance = light.irradiance_w_m2 * irradiance_factor(seen, plane, light.radius_rad);
         if irradiance > 0.0 {
             let mu0 = min(irradiance / (light.irradiance_w_m2 * seen.fraction), 1.0);

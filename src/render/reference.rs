@@ -21,7 +21,7 @@ use super::refine::Settled;
 use super::{Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{Disc, Fetched, FourierMaps, MipmapRuns, Shadow, Site, Skylines, Traced};
+use crate::shadow::{Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, Shadow, Site, Skylines, Traced};
 use crate::terrain::{Ground, Hit};
 
 /// Renders on the CPU, in f64, on all cores.
@@ -62,6 +62,9 @@ fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
     }
     match &scene.shadows {
         Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
+        Shadows::Lighting(lighting) => {
+            Some(Box::new(LightingFactors::new(surface, lighting, &scene.disk, &view.held_lights())))
+        }
         Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
         Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,

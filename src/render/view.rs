@@ -4,7 +4,7 @@ use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Reflectance, SolarDisk};
-use crate::shadow::{Baked, HeldLight, Mipmaps, Towards};
+use crate::shadow::{At, Baked, HeldLight, Lighting, Mipmaps, Towards};
 use crate::terrain::Surface;
 
 use super::Quantity;
@@ -48,6 +48,8 @@ pub enum Shadows {
     Fourier(Vec<Vec<HorizonMap>>),
     /// Horizon maps evaluated once per node while the lights stand still.
     Baked(Baked),
+    /// Lighting factors from horizon maps.
+    Lighting(Lighting),
     /// Skylines of all nodes towards each light, found by the method while the lights stand still.
     Towards(Box<dyn Towards>),
     /// Maximum mipmaps, searched towards each light at every sample.
@@ -63,6 +65,7 @@ impl Shadows {
             Self::None => "none",
             Self::Fourier(_) => "fourier",
             Self::Baked(_) => "baked",
+            Self::Lighting(_) => "lighting factor",
             Self::Towards(method) => method.name(),
             Self::Mipmaps(_) => "mipmaps",
             Self::Traced(_) => "traced",
@@ -72,9 +75,14 @@ impl Shadows {
     /// The horizon maps that the shadows come from.
     pub fn maps(&self) -> Option<&[Vec<HorizonMap>]> {
         match self {
-            Self::Fourier(maps) | Self::Baked(Baked(maps)) => Some(maps),
+            Self::Fourier(maps) | Self::Baked(Baked(maps)) | Self::Lighting(Lighting { maps, .. }) => Some(maps),
             Self::None | Self::Towards(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
         }
+    }
+
+    /// Whether something is found for all nodes at once while the lights stand still.
+    pub fn are_found_at_nodes(&self) -> bool {
+        self.towards().is_some() || matches!(self, Self::Lighting(Lighting { at: At::Nodes, .. }))
     }
 
     /// The method that finds skylines while the lights stand still.
@@ -82,7 +90,7 @@ impl Shadows {
         match self {
             Self::Baked(baked) => Some(baked),
             Self::Towards(method) => Some(method.as_ref()),
-            Self::None | Self::Fourier(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
+            Self::None | Self::Fourier(_) | Self::Lighting(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
         }
     }
 }

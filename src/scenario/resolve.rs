@@ -133,10 +133,11 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
-        !spec.refine || spec.shadows.need_maps(),
+        !spec.refine || spec.shadows.have_bounds(),
         "refine",
         "needs shadows: Fourier or Baked, whose errors are known",
     );
+    let horizon = world::horizon(&spec.horizon, check);
     Scenario {
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
@@ -146,8 +147,8 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         frame: world::frame(spec, check),
         kernels: spec.kernels.as_ref().map(|kernels| world::kernels(kernels, check)),
         terrain,
-        horizon: world::horizon(&spec.horizon, check),
-        shadows: spec.shadows.clone(),
+        shadows: world::shadows(&spec.shadows, horizon.encoding, check),
+        horizon,
         refine: spec.refine,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),

@@ -9,7 +9,7 @@ use super::spec;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 
-pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Sky, Values};
+pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preset, Preview, Shadows, Sky, Values};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]

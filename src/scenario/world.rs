@@ -134,6 +134,25 @@ pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {
     }
 }
 
+/// The shadows as written, a preset by what it stands for.
+pub fn shadows(written: &spec::Shadows, encoding: Encoding, check: &mut Check) -> spec::Shadows {
+    let (shadows, key) = match written {
+        spec::Shadows::Preset(preset) => (preset.shadows(), "shadows"),
+        other => (other.clone(), "shadows.coefficients"),
+    };
+    if let spec::Shadows::Series { coefficients: Some(coefficients), .. } = shadows {
+        let is_page = coefficients.is_multiple_of(4);
+        check.rule(is_page, key, coefficients, "is not 4, 8, 12 or 16: four make a page of texels");
+        let has = !is_page || encoding.with_coefficients(coefficients).is_some();
+        let needs = format!(
+            "needs {coefficients} coefficients, which horizon.encoding {encoding} has not; fm{coefficients} or more \
+             and f{coefficients} or more have them"
+        );
+        check.needs(has, key, needs);
+    }
+    shadows
+}
+
 pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
     let is_hapke = matches!(written.photometry, spec::Photometry::HapkeMoon | spec::Photometry::Hapke { .. });
     match &written.albedo {

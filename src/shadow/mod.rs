@@ -4,7 +4,7 @@
 //! rest.
 //!
 //! ```text
-//! at every sample    Traced: exact           FourierMaps: from compressed horizons of all azimuths
+//! at every sample    Traced: exact           FourierMaps, Lighting: from compressed horizons of all azimuths
 //! at every node,     Baked: from the same compressed horizons        Swath: from kept planes of few azimuths
 //! for a still light  Swept: from planes swept for it                 SingleAzimuth: stepped for it
 //! ```
@@ -12,6 +12,7 @@
 mod baked;
 pub mod fan;
 mod fourier;
+mod lighting;
 mod mipmaps;
 mod multiscale;
 pub mod single_azimuth;
@@ -20,9 +21,11 @@ pub mod skylines;
 pub mod swath;
 mod sweep;
 mod traced;
+pub mod visibility;
 
 pub use baked::Baked;
 pub use fourier::FourierMaps;
+pub use lighting::{At, Lighting, LightingFactors};
 pub use mipmaps::{MipmapRuns, Mipmaps};
 pub use multiscale::{HeightPyramid, Multiscale};
 pub use single_azimuth::{Edge, SingleAzimuth};
@@ -30,6 +33,7 @@ pub use skylines::{Fetched, HeldLight, Skylines, Towards};
 pub use swath::Swath;
 pub use sweep::Swept;
 pub use traced::Traced;
+pub use visibility::Visibility;
 
 use std::fmt::Debug;
 

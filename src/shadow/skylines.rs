@@ -131,13 +131,23 @@ pub struct Skylines {
 impl Skylines {
     /// Finds the skylines towards `lights`, those that `self` holds already kept.
     pub fn towards(&self, surface: &Surface, method: &dyn Towards, lights: &[HeldLight]) -> Self {
+        self.found(surface, &|light, [face, level]| method.field(surface, face, level, light), lights)
+    }
+
+    /// The same by a function of a light, a face and a level of it.
+    pub(super) fn found(
+        &self,
+        surface: &Surface,
+        field: &dyn Fn(&HeldLight, [usize; 2]) -> Field,
+        lights: &[HeldLight],
+    ) -> Self {
         let find = |light: &HeldLight| {
             if let Some(known) = self.lights.iter().position(|held| held == light) {
                 return self.fields[known].clone();
             }
             let faces = surface.terrain.faces.iter().enumerate();
             let of_face = |(face, levels): (usize, &Face)| {
-                (0..levels.levels.len()).map(|level| Arc::new(method.field(surface, face, level, light))).collect()
+                (0..levels.levels.len()).map(|level| Arc::new(field(light, [face, level]))).collect()
             };
             faces.map(of_face).collect()
         };
@@ -177,7 +187,7 @@ pub(super) fn line(site: &Site, disc: &Disc, elevation_rad: f64, slope: f64) -> 
 }
 
 /// Both numbers at a grid point counted from the first seen node; beyond the edges those of the edge.
-fn bilinear(level: &Level, field: &Field, grid: DVec2) -> [f64; 2] {
+pub(super) fn bilinear(level: &Level, field: &Field, grid: DVec2) -> [f64; 2] {
     let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
     let far = DVec2::new((columns - 1) as f64, (rows - 1) as f64);
     let grid = grid.clamp(DVec2::ZERO, far);

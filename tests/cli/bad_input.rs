@@ -230,6 +230,25 @@ const RANGES: &[Case] = &[
 ];
 
 const MEANING: &[Case] = &[
+    Case(
+        "coefficients that fill no page",
+        "title: \"a test\"",
+        "title: \"a test\", shadows: Series(coefficients: 10)",
+        "2:52: shadows.coefficients = 10 is not 4, 8, 12 or 16: four make a page of texels",
+    ),
+    Case(
+        "more coefficients than the encoding has",
+        "title: \"a test\"",
+        "title: \"a test\", shadows: Series(coefficients: 12), horizon: Settings(encoding: Fm8)",
+        "2:52: shadows.coefficients needs 12 coefficients, which horizon.encoding fm8 has not; fm12 or more and f12 or more \
+         have them",
+    ),
+    Case(
+        "a preset of an encoding without coefficients",
+        "title: \"a test\"",
+        "title: \"a test\", shadows: Preset(Low), horizon: Settings(encoding: W21)",
+        "2:31: shadows needs 8 coefficients, which horizon.encoding w21 has not; fm8 or more and f8 or more have them",
+    ),
     Case("empty title", "\"a test\"", "\" \"", "2:12: title = \"\" must say what the sequence shows"),
     Case(
         "two optics",

@@ -18,6 +18,15 @@ fn every_method_runs_and_is_written_down() {
     let cases = [
         ("shadows: MaximumMipmaps(runs: [5, 5, 5])", "MaximumMipmaps { runs: [5, 5, 5] }"),
         ("shadows: MaximumMipmaps()", "MaximumMipmaps { runs: [] }"),
+        (
+            "shadows: Series(visibility: Boxes(5), coefficients: 8, at: Nodes)",
+            "Series { visibility: Boxes(5), coefficients: Some(8), at: Nodes }",
+        ),
+        ("shadows: Series()", "Series { visibility: MiddleValue, coefficients: None, at: Pixels }"),
+        ("shadows: Series(visibility: Line)", "Series { visibility: Line, coefficients: None, at: Pixels }"),
+        ("shadows: Preset(None)", "Off"),
+        ("shadows: Preset(Low)", "Series { visibility: MiddleValue, coefficients: Some(8), at: Nodes }"),
+        ("shadows: Preset(VeryHighX7)", "Series { visibility: Boxes(7), coefficients: Some(16), at: Pixels }"),
         ("shadows: Multiscale(level_step: 2)", "Multiscale { level_step: 2, level_offset: 2.0, swath_deg: 2.0 }"),
     ];
     for (keys, recorded) in cases {

@@ -71,7 +71,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
 #[test]
 fn the_parameters_of_baking_lie_as_the_shader_reads_them() {
     let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_table
-        horizon);
+        horizon radius_rad padding);
     assert_eq!(layout(&[BAKE_SHADER, &Encoding::Fm16.wgsl()].concat(), "BakeParameters"), host);
 }
 

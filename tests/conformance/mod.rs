@@ -12,6 +12,7 @@ pub mod render;
 pub mod scenarios;
 mod skylines;
 mod vectors;
+mod visibility;
 
 use std::sync::OnceLock;
 

@@ -17,7 +17,7 @@ fn maps(scene: &Scene, encoding: Encoding) -> Vec<Vec<HorizonMap>> {
 }
 
 /// The nested terrain seen obliquely, the Sun at 3°, with its horizon maps.
-fn nested(encoding: Encoding) -> (Scene, View, Vec<Vec<HorizonMap>>) {
+pub fn nested(encoding: Encoding) -> (Scene, View, Vec<Vec<HorizonMap>>) {
     let (_, scene, view) = scenes().swap_remove(0);
     let maps = maps(&scene, encoding);
     (scene, view, maps)

@@ -6,7 +6,8 @@ use crate::evaluate::Error;
 use crate::horizon::{Encoding, HorizonMap, Memory, Settings};
 use crate::pipeline::{self, Prepared, Progress, ground, swath};
 use crate::render::Shadows;
-use crate::shadow::{Baked, Edge, Mipmaps, Multiscale, SingleAzimuth, Swept};
+use crate::scenario::{self, Preset};
+use crate::shadow::{At, Baked, Edge, Lighting, Mipmaps, Multiscale, SingleAzimuth, Swept};
 
 /// What is tried where nobody asks for more.
 pub const USUAL: [&str; 7] = ["fourier", "baked", "swath", "mipmaps-5-5-5", "mipmaps-5-5-5-3", "mipmaps", "none"];
@@ -23,12 +24,18 @@ const MAXIMA_BYTES: f64 = 4.0 / 3.0;
 
 /// Whether a method goes by this name.
 pub fn known(name: &str) -> bool {
-    [&USUAL[..], &SLOW].concat().contains(&name) || encoded(name).is_some()
+    [&USUAL[..], &SLOW].concat().contains(&name) || encoded(name).is_some() || preset(name).is_some()
 }
 
 /// All names, for people.
 pub fn allowed() -> String {
-    [&USUAL[..], &SLOW].concat().join(", ") + ", fourier-ENCODING, baked-ENCODING"
+    [&USUAL[..], &SLOW].concat().join(", ") + ", fourier-ENCODING, baked-ENCODING, preset-NAME"
+}
+
+/// `preset-High` and its like: those of Fritsch 2025.
+fn preset(name: &str) -> Option<Preset> {
+    let name = name.strip_prefix("preset-")?;
+    Preset::ALL.into_iter().find(|preset| format!("{preset:?}") == name)
 }
 
 /// `fourier-fm16` and its like: horizon maps in an encoding that is not the scenario's.
@@ -73,7 +80,17 @@ impl Workshop<'_> {
             _ => match encoded(name) {
                 Some(("fourier", encoding)) => Shadows::Fourier(self.encoded_maps(encoding, progress)?),
                 Some((_, encoding)) => Shadows::Baked(Baked(self.encoded_maps(encoding, progress)?)),
-                None => return Err(Error::Method { got: name.into(), allowed: allowed() }),
+                None => match preset(name).map(Preset::shadows) {
+                    Some(scenario::Shadows::Series { visibility, coefficients, at }) => {
+                        let maps = match self.maps.iter().flatten().all(|map| map.encoding == Encoding::Fm16) {
+                            true => self.maps.clone(),
+                            false => self.encoded_maps(Encoding::Fm16, progress)?,
+                        };
+                        pipeline::scene::series(maps, visibility, coefficients, at)
+                    }
+                    Some(_) => Shadows::None,
+                    None => return Err(Error::Method { got: name.into(), allowed: allowed() }),
+                },
             },
         })
     }
@@ -96,7 +113,8 @@ impl Workshop<'_> {
         match shadows {
             Shadows::None | Shadows::Traced(_) => 0.0,
             Shadows::Fourier(held) => maps(held),
-            Shadows::Baked(Baked(held)) => maps(held) + FIELD_BYTES,
+            Shadows::Lighting(Lighting { maps: held, at: At::Pixels, .. }) => maps(held),
+            Shadows::Baked(Baked(held)) | Shadows::Lighting(Lighting { maps: held, .. }) => maps(held) + FIELD_BYTES,
             Shadows::Towards(_) => FIELD_BYTES,
             Shadows::Mipmaps(_) => MAXIMA_BYTES,
         }

@@ -166,6 +166,16 @@ impl Encoding {
         }
     }
 
+    /// What is left of a series of half floats with its first coefficients, 4, 8, 12 or 16; `None` where it has fewer, or
+    /// keeps something else.
+    pub fn with_coefficients(self, coefficients: u32) -> Option<Self> {
+        let of_halving = [Self::Fm4, Self::Fm8, Self::Fm12, Self::Fm16];
+        let of_full = [Self::F4, Self::F8, Self::F12, Self::F16];
+        let series = [of_halving, of_full].into_iter().find(|series| series.contains(&self))?;
+        let has = |encoding: &Self| encoding.harmonics() + 1 == coefficients as usize;
+        series.into_iter().find(has).filter(|encoding| encoding.harmonics() <= self.harmonics())
+    }
+
     /// Fewest swept azimuths that determine all of it.
     pub fn least_azimuths(self) -> usize {
         self.samples().max(2 * self.harmonics() + 1)
@@ -176,12 +186,12 @@ impl Encoding {
         self.pages().iter().map(|page| (4 * page.words) as f64 / (page.scale * page.scale) as f64).sum()
     }
 
-    /// `horizon_elevation` in WGSL; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
+    /// `horizon_elevation` in WGSL, and in two steps `horizon_profile` and `horizon_towards`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
     pub fn wgsl(self) -> String {
         let decoder = match self.family() {
             Family::Halves => include_str!("half.wgsl"),
-            Family::Samples => include_str!("raw.wgsl"),
-            Family::Fields => include_str!("water.wgsl"),
+            Family::Samples => concat!(include_str!("raw.wgsl"), include_str!("profile.wgsl")),
+            Family::Fields => concat!(include_str!("water.wgsl"), include_str!("profile.wgsl")),
         };
         [include_str!("../series.wgsl"), decoder].concat()
     }

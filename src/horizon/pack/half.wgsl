@@ -44,24 +44,52 @@ fn horizon_terms(coefficients: HorizonCoefficients, first: f32, turned: vec2f, s
     return vec2f(elevation_rad, slope);
 }
 
-// Elevation of the skyline, in radians, and its derivative by map azimuth, at a grid point counted in nodes from the
-// first seen one, towards the unit map direction (X, Y) = (sin A, cos A). Angles kA are reached by turning, so no
-// trigonometric function is called.
-fn horizon_elevation(horizon: HorizonGrid, grid: vec2f, towards: vec2f) -> vec2f {
+// All coefficients at a point: what is read once for any number of azimuths.
+struct HorizonProfile {
+    page_0: HorizonCoefficients,
+    page_1: HorizonCoefficients,
+    page_2: HorizonCoefficients,
+    page_3: HorizonCoefficients,
+}
+
+// At a grid point counted in nodes from the first seen one.
+fn horizon_profile(horizon: HorizonGrid, grid: vec2f) -> HorizonProfile {
+    var profile: HorizonProfile;
+    profile.page_0 = horizon_coefficients(horizon, horizon.offset_0, 0u, grid);
+    if HORIZON_PAGES > 1u {
+        profile.page_1 = horizon_coefficients(horizon, horizon.offset_1, 1u, grid);
+    }
+    if HORIZON_PAGES > 2u {
+        profile.page_2 = horizon_coefficients(horizon, horizon.offset_2, 2u, grid);
+    }
+    if HORIZON_PAGES > 3u {
+        profile.page_3 = horizon_coefficients(horizon, horizon.offset_3, 3u, grid);
+    }
+    return profile;
+}
+
+// Elevation of the skyline, in radians, and its derivative by map azimuth, towards the unit map direction (X, Y) =
+// (sin A, cos A). Angles kA are reached by turning, so no trigonometric function is called.
+fn horizon_towards(profile: HorizonProfile, towards: vec2f) -> vec2f {
     let step = towards.yx;
     let two = horizon_turn(step, step);
     let four = horizon_turn(two, two);
     let eight = horizon_turn(four, four);
     let twelve = horizon_turn(eight, four);
-    var sum = horizon_terms(horizon_coefficients(horizon, horizon.offset_0, 0u, grid), 0.0, vec2f(1.0, 0.0), step);
+    var sum = horizon_terms(profile.page_0, 0.0, vec2f(1.0, 0.0), step);
     if HORIZON_PAGES > 1u {
-        sum += horizon_terms(horizon_coefficients(horizon, horizon.offset_1, 1u, grid), 4.0, four, step);
+        sum += horizon_terms(profile.page_1, 4.0, four, step);
     }
     if HORIZON_PAGES > 2u {
-        sum += horizon_terms(horizon_coefficients(horizon, horizon.offset_2, 2u, grid), 8.0, eight, step);
+        sum += horizon_terms(profile.page_2, 8.0, eight, step);
     }
     if HORIZON_PAGES > 3u {
-        sum += horizon_terms(horizon_coefficients(horizon, horizon.offset_3, 3u, grid), 12.0, twelve, step);
+        sum += horizon_terms(profile.page_3, 12.0, twelve, step);
     }
     return sum;
+}
+
+// Both at once.
+fn horizon_elevation(horizon: HorizonGrid, grid: vec2f, towards: vec2f) -> vec2f {
+    return horizon_towards(horizon_profile(horizon, grid), towards);
 }

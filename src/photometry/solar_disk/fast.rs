@@ -66,7 +66,7 @@ impl Fast {
         (share, (end(low) - end(high)) / (self.alpha + 2.0))
     }
 
-    fn chord_above(&self, height: f64) -> f64 {
+    pub(super) fn chord_above(&self, height: f64) -> f64 {
         look_up(&self.chords, height)
     }
 
@@ -125,7 +125,7 @@ impl Fast {
         DiskLight { fraction, moment: across * a.normal + aside * along }
     }
 
-    fn share_above(&self, height: f64) -> f64 {
+    pub(super) fn share_above(&self, height: f64) -> f64 {
         look_up(&self.lines, height)
     }
 

@@ -1,15 +1,21 @@
-//! Fields of skylines on the device: baked there from horizon maps, or found on the host and sent.
+//! Fields of skylines or of lighting factors on the device: baked there from horizon maps, or found on the host and sent.
 
 use wgpu::{Buffer, ComputePipeline};
 
 use super::upload::{DeviceGround, fits};
 use crate::gpu::Gpu;
+use crate::photometry::SolarDisk;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
 use crate::shadow::{HeldLight, Skylines};
 
 /// The baking pass, as one text.
-pub const SHADER: &str = concat!(include_str!("../bake.wgsl"), include_str!("../texels.wgsl"));
+pub const SHADER: &str = concat!(
+    include_str!("../bake.wgsl"),
+    include_str!("../texels.wgsl"),
+    include_str!("../../shadow/visibility.wgsl"),
+    include_str!("../../photometry/solar_disk.wgsl"),
+);
 
 /// Skylines in a texel.
 const PER_TEXEL: usize = 2;
@@ -23,6 +29,7 @@ const LIGHTS: usize = 4;
 pub struct DeviceSkylines {
     /// `None`: found on the host.
     bake: Option<ComputePipeline>,
+    disk_tables: Buffer,
     /// Where a light's field of each level begins, in texels.
     starts: Vec<usize>,
     texels: usize,
@@ -43,12 +50,19 @@ impl DeviceSkylines {
         }
         fits::<[u32; 4]>(gpu, "skylines", lights * texels, 1)?;
         let shader = [SHADER, &ground.encoding.wgsl()].concat();
-        let constants = [&ground.pages[..], &ground.encoding.constants()].concat();
-        let bake = match scene.shadows {
-            Shadows::Baked(_) => Some(gpu.compute("bake", &shader, "main", &constants)?),
+        let mut constants = [&ground.pages[..], &ground.encoding.constants(), &SolarDisk::constants()].concat();
+        let factors = match &scene.shadows {
+            Shadows::Lighting(lighting) => Some(lighting.visibility),
             _ => None,
         };
-        Ok(Self { bake, starts, texels, host: Skylines::default(), made: None })
+        constants.push(("FACTORS", f64::from(u8::from(factors.is_some()))));
+        constants.extend(factors.unwrap_or_default().constants());
+        let bake = match scene.shadows {
+            Shadows::Baked(_) | Shadows::Lighting(_) => Some(gpu.compute("bake", &shader, "main", &constants)?),
+            _ => None,
+        };
+        let disk_tables = gpu.storage("disc tables", &scene.disk.tables());
+        Ok(Self { bake, disk_tables, starts, texels, host: Skylines::default(), made: None })
     }
 
     /// The fields towards these lights and what making them took on the device.
@@ -88,14 +102,14 @@ impl DeviceSkylines {
             for (start, level) in self.starts.iter().zip(&ground.levels) {
                 let map = &scene.surface.terrain.faces[level.face].map;
                 let offset = (light * self.texels + start) as u32;
-                let parameters = BakeParameters::new(map, &level.shader, held.position, offset);
+                let parameters = BakeParameters::new(map, &level.shader, held, offset);
                 let parameters = gpu.storage("bake", &[parameters]);
                 let [a, b, c, d] = &ground.texels;
                 let nodes = level.shader.columns as usize * level.shader.rows as usize;
                 let groups = nodes.div_ceil(PER_TEXEL * GROUP);
                 let across = groups.min(1 << 15);
                 let groups = [across as u32, groups.div_ceil(across) as u32, 1];
-                let spent = gpu.run(pipeline, &[a, b, c, d, &parameters, &fields], groups);
+                let spent = gpu.run(pipeline, &[a, b, c, d, &parameters, &fields, &self.disk_tables], groups);
                 seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             }
         }

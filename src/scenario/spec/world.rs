@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::horizon::Encoding;
-use crate::shadow::Edge;
+use crate::shadow::{At, Edge, Visibility};
 
 /// The body that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -180,6 +180,22 @@ pub enum Shadows {
     /// From the same maps, evaluated once per node while the Sun stands still: faster where images have more samples
     /// than the terrain has nodes, or the Sun stays.
     Baked,
+    /// Lighting factors from the same maps as in Fritsch 2025: a share of the disc that multiplies the light of an unshadowed
+    /// Sun. To compare with; `Fourier` is more accurate.
+    Series {
+        /// How the share is found.
+        #[serde(default)]
+        visibility: Visibility,
+        /// Coefficients that are evaluated: 4, 8, 12 or 16 of an fm or f encoding. Default: all.
+        #[serde(default)]
+        #[schemars(range(min = 4, max = 16))]
+        coefficients: Option<u32>,
+        /// Where.
+        #[serde(default)]
+        at: At,
+    },
+    /// One of the eight presets of Fritsch 2025.
+    Preset(Preset),
     /// From horizons for those azimuths only that the Sun's disc spans in the exposures: accurate and small where a sequence
     /// lasts hours at most, and made once for all of its images.
     Swath {
@@ -238,6 +254,55 @@ pub enum Shadows {
     Off,
 }
 
+/// Presets of Fritsch 2025, table 3: coefficients, samples across the Sun, shader stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Preset {
+    /// No shadows.
+    None,
+    /// 8, middle value, vertices.
+    Low,
+    /// 16, middle value, vertices.
+    Medium,
+    /// 8, middle value, fragments.
+    MediumFrag,
+    /// 16, middle value, fragments.
+    High,
+    /// 16, three boxes, fragments.
+    VeryHighX3,
+    /// 16, five boxes, fragments.
+    VeryHighX5,
+    /// 16, seven boxes, fragments.
+    VeryHighX7,
+}
+
+impl Preset {
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Low,
+        Self::Medium,
+        Self::MediumFrag,
+        Self::High,
+        Self::VeryHighX3,
+        Self::VeryHighX5,
+        Self::VeryHighX7,
+    ];
+
+    /// What it stands for.
+    pub fn shadows(self) -> Shadows {
+        let (visibility, coefficients, at) = match self {
+            Self::None => return Shadows::Off,
+            Self::Low => (Visibility::MiddleValue, 8, At::Nodes),
+            Self::Medium => (Visibility::MiddleValue, 16, At::Nodes),
+            Self::MediumFrag => (Visibility::MiddleValue, 8, At::Pixels),
+            Self::High => (Visibility::MiddleValue, 16, At::Pixels),
+            Self::VeryHighX3 => (Visibility::Boxes(3), 16, At::Pixels),
+            Self::VeryHighX5 => (Visibility::Boxes(5), 16, At::Pixels),
+            Self::VeryHighX7 => (Visibility::Boxes(7), 16, At::Pixels),
+        };
+        Shadows::Series { visibility, coefficients: Some(coefficients), at }
+    }
+}
+
 /// What all methods but the coarse ones reach.
 fn default_max_irradiance_error() -> f64 {
     0.005
@@ -250,6 +315,11 @@ fn default_azimuth_step_deg() -> f64 {
 impl Shadows {
     /// Whether horizon maps are made.
     pub fn need_maps(&self) -> bool {
+        self.have_bounds() || matches!(self, Self::Series { .. })
+    }
+
+    /// Whether what they leave open is known.
+    pub fn have_bounds(&self) -> bool {
         matches!(self, Self::Fourier | Self::Baked)
     }
 }

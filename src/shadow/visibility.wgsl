@@ -1,0 +1,72 @@
+// The share of a disc above a skyline, from the skyline's elevations at a few azimuths. Twin of `visibility.rs`.
+
+// 0: middle value, 1: circular segment, 2: boxes, 3: line.
+override VISIBILITY: u32 = 0u;
+override BOXES: u32 = 1u;
+
+// Least cosine of an elevation: nearer to the zenith the disc spans all azimuths.
+const LEAST_LEVEL = 1.0e-6;
+
+// A disc over a place of a map: where the place is, upward and towards the disc's centre, all in the map's axes.
+struct Poise {
+    at_m: vec2f,
+    map_radius_m: f32,
+    up: vec3f,
+    s: vec3f,
+    radius_rad: f32,
+}
+
+fn visible_share(profile: HorizonProfile, poise: Poise) -> f32 {
+    if VISIBILITY == 0u {
+        return share_above(skyline_height(profile, poise, 0.0));
+    }
+    if VISIBILITY == 1u {
+        let start = skyline_height(profile, poise, -1.0);
+        let end = skyline_height(profile, poise, 1.0);
+        let slope = 0.5 * (end - start);
+        return share_above(0.5 * (start + end) * inverseSqrt(1.0 + slope * slope));
+    }
+    if VISIBILITY == 2u {
+        var light = 0.0;
+        var weights = 0.0;
+        for (var i = 0u; i < BOXES; i++) {
+            let x = f32(2u * i + 1u) / f32(BOXES) - 1.0;
+            let square = 1.0 - x * x;
+            let chord = sqrt(square);
+            let weight = pow(square, 0.5 * (disk_tables[0] + 1.0));
+            light += weight * disk_table(4u + DISK_KNOTS, clamp(skyline_height(profile, poise, x) / chord, -1.0, 1.0));
+            weights += weight;
+        }
+        return light / weights;
+    }
+    let sine = dot(poise.s, poise.up);
+    let horizon = horizon_towards(profile, beside(poise, 0.0));
+    let slope = horizon.y * azimuth_ratio(poise.at_m, poise.map_radius_m, beside(poise, 0.0));
+    let line = horizon_line(horizon.x, slope, sine, sqrt(max(1.0 - sine * sine, 0.0)), poise.radius_rad);
+    return share_above(clamp(line.x * inverseSqrt(1.0 + line.y * line.y), -1.0, 1.0));
+}
+
+// Height of the skyline at a column of the disc above the disc's centre, in radii, within the disc.
+fn skyline_height(profile: HorizonProfile, poise: Poise, x: f32) -> f32 {
+    let sun_sine = dot(poise.s, poise.up);
+    let sun_cosine = sqrt(max(1.0 - sun_sine * sun_sine, 0.0));
+    let offset_sine = clamp(small_sine(x * poise.radius_rad) / max(sun_cosine, LEAST_LEVEL), -1.0, 1.0);
+    let elevation_rad = horizon_towards(profile, beside(poise, offset_sine)).x;
+    let above_sine = small_sine(elevation_rad) * sun_cosine - small_cosine(elevation_rad) * sun_sine;
+    return clamp(small_arcsine(above_sine) / poise.radius_rad, -1.0, 1.0);
+}
+
+// The unit map direction of an azimuth, clockwise from that of the disc's centre by the angle of this sine.
+fn beside(poise: Poise, sine: f32) -> vec2f {
+    let cosine = sqrt(max(1.0 - sine * sine, 0.0));
+    let s = poise.s;
+    let turned = cosine * s + sine * cross(s, poise.up) + (1.0 - cosine) * dot(s, poise.up) * poise.up;
+    let direction = turned.xy - poise.at_m * (turned.z / poise.map_radius_m);
+    return direction * inverseSqrt(max(dot(direction, direction), 1.0e-30));
+}
+
+// Taylor series to 1e-6 up to 0.3; beyond that it only has to be large.
+fn small_arcsine(x: f32) -> f32 {
+    let z = x * x;
+    return x * (1.0 + z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0)))));
+}
