@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Dem, FixedSun, Horizon, Sun, Terrain};
+use super::resolved::{Albedo, Dem, FixedSun, Horizon, Photometry, Sun, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
@@ -154,7 +154,7 @@ pub fn shadows(written: &spec::Shadows, encoding: Encoding, check: &mut Check) -
 }
 
 pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
-    let is_hapke = matches!(written.photometry, spec::Photometry::HapkeMoon | spec::Photometry::Hapke { .. });
+    let is_hapke = Photometry::from(&written.photometry).is_hapke();
     match &written.albedo {
         None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
