@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, frame, horizons, shadows, stability};
+use perilune::evaluate::{Report, frame, horizons, shadows, sources, stability};
 use perilune::scenario;
 
 use super::bars::Bars;
@@ -81,6 +81,17 @@ enum Bench {
         #[command(flatten)]
         output: Output,
     },
+    /// The experiments of the sources that the shadow methods come from, beside the numbers that they print.
+    Sources {
+        /// Smaller patches and images
+        #[arg(long)]
+        quick: bool,
+        /// Frames that are timed with each method
+        #[arg(long, default_value_t = 5, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        repeat: usize,
+        #[command(flatten)]
+        output: Output,
+    },
     /// Hard numerical cases with known answers, for every shadow method.
     Stability {
         /// Where horizon tiles are kept for the next run.
@@ -140,6 +151,7 @@ pub fn run(args: Args) -> Outcome {
             };
             (report, output)
         }
+        Bench::Sources { quick, repeat, output } => (sources::run(&sources::Options { quick, repeat }, &bars)?, output),
         Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
     };
     bars.clear();

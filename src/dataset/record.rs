@@ -175,7 +175,7 @@ pub struct SoftwareRecord {
 pub struct QualityRecord {
     /// Of the compressed horizons.
     pub max_horizon_error_deg: Option<f64>,
-    /// Share of ground pixels whose shadow that error could change.
+    /// Share of ground pixels whose share of the Sun has a standard deviation above 0.01; where that plane is written.
     pub share_uncertain: Option<f64>,
     /// Share of ground pixels without DEM heights.
     pub share_interpolated_dem: Option<f64>,

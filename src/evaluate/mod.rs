@@ -14,6 +14,7 @@ pub mod plot;
 pub mod report;
 pub mod scenes;
 pub mod shadows;
+pub mod sources;
 pub mod stability;
 pub mod statistics;
 pub mod table;

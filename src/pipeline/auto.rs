@@ -1,29 +1,33 @@
 //! Which shadows a scenario gets that asks for `shadows: Auto`.
 //!
-//! Of the methods that err by no more than the scenario allows, the one with the fewest azimuths to sweep over the terrain
-//! before all images are made; sweeping is what a run waits for. RMS errors of the irradiance in full Suns, against traced
-//! shadows of one exposure each:
+//! Of the methods that err by no more than the scenario allows, the one that takes the least time, counted in azimuths swept
+//! over the terrain: those before the first image, and what each image takes in that unit. RMS errors of the irradiance in
+//! full Suns, against traced shadows of one exposure each:
 //!
-//! | method | connecting ridge, Sun at 1.9° | cratered highland, six levels, 4.1° | taken | azimuths |
-//! |---|---|---|---|---|
-//! | `Fourier`, `Baked` | 0.0024 (`w21`) | 0.0026 (`fm16`) | 0.005 | all of `horizon.azimuths`, and a sixth of them again for its bounds |
-//! | `Swath` | 0.0008 | 0.0016 | 0.002 | those that the lights span in all exposures, 64 at most |
-//! | `Sweep` | 0.0008 | 0.0016 | 0.002 | those that they span in one exposure, for each exposure with its own light |
-//! | `Traced` | 0 | 0 | 0 | none, and taken only where no other is right enough: minutes an image |
+//! | method | connecting ridge, Sun at 1.9° | cratered highland, six levels, 4.1° | taken | azimuths | for the images |
+//! |---|---|---|---|---|---|
+//! | `Fourier` | 0.0024 (`w21`) | 0.0026 (`fm16`) | 0.005 | all of `horizon.azimuths`, and a sixth of them again for its bounds | 3.3 a sample and node |
+//! | `Baked` | the same | the same | 0.005 | the same | 1.8 a light |
+//! | `Swath` | 0.0008 | 0.0016 | 0.002 | those that the lights span in all exposures, 64 at most | 1 a light |
+//! | `Sweep` | 0.0008 | 0.0016 | 0.002 | those that they span in one exposure, for each exposure with its own light | 1 a light |
+//! | `Traced` | 0 | 0 | 0 | none, and taken only where no other is right enough: minutes an image | |
 //!
-//! Equal numbers go to the first of the table. `Fourier` sweeps nothing where its maps are made for ambient light anyway. It is
-//! evaluated once a node (`Baked`) where the exposures have more samples than the terrain has nodes for each light,
-//! otherwise at each sample. Its encoding is the scenario's: the default one is the most accurate of its size.
+//! Equal numbers go to the first of the table. Maps cost no sweep where they are made for ambient light anyway. An image's
+//! share is from one of the ridge, 512² on software Vulkan: 0.03 s for a series at every sample, 0.30 s for baking anew, 0.17 s
+//! for a swath's field, where two cores sweep an azimuth over all nodes in 0.17 s.
 //!
-//! 0.005 is taken for maps because another exposure of the ridge, from 17 km above it, has 0.0042 (`fm16`).
+//! 0.005 is taken for `fm16` because another exposure of the ridge, from 17 km above it, has 0.0042. Other encodings are
+//! taken to err in proportion to what they did on cratered ground at 20 m (384², Sun at 2°, 4° and 10°, mean of the ratios):
+//! 3.0 `fm4`, 1.9 `fm8`, 1.2 `fm12`, 0.9 `f16`, 2.5 `raw8`, 3.0 `raw12`, 2.1 `raw16`, 1.3 `w11`, 0.8 `w16` and `w21`. The encoding is
+//! the scenario's.
 //!
 //! # Assumptions
-//! What an image takes is not weighed.
+//! On a graphics card a sample of a series costs far less beside a sweep: there maps are better than is reckoned.
 //! The errors hold for terrain like the two scenes'; they grow towards lower Suns. The choice depends on the scenario alone,
 //! on all of its exposures: neither the cache nor the adapter nor `--frames` has a share in it, so that the
 //! same scenario gives the same bytes whatever was run before.
 
-use crate::horizon::bound;
+use crate::horizon::{Encoding, bound};
 use crate::scenario::{Ambient, Scenario, Shadows, Sky};
 use crate::shadow::HeldLight;
 use crate::shadow::swath::MOST_PLANES;
@@ -34,9 +38,31 @@ use super::{Exposure, swath};
 /// Between two azimuths of what is chosen here.
 const AZIMUTH_STEP_DEG: f64 = 0.15;
 
-/// RMS errors of the irradiance that are reckoned with, in full Suns.
+/// RMS errors of the irradiance that are reckoned with, in full Suns: of `fm16`, and of horizons towards the light.
 const FOURIER_ERROR: f64 = 0.005;
 const TOWARDS_ERROR: f64 = 0.002;
+
+/// What images take beside a sweep of one azimuth over all nodes, for each node: a sample of a series, a light's field
+/// from series, and one from planes.
+const SAMPLE: f64 = 3.3;
+const BAKE: f64 = 1.8;
+const FETCH: f64 = 1.0;
+
+/// RMS error of maps over that of `fm16`.
+fn error_ratio(encoding: Encoding) -> f64 {
+    match encoding {
+        Encoding::Fm4 | Encoding::F4 | Encoding::Raw12 => 3.0,
+        Encoding::Fm8 | Encoding::F8 => 1.9,
+        Encoding::Fm12 => 1.2,
+        Encoding::F12 => 1.1,
+        Encoding::Fm16 => 1.0,
+        Encoding::F16 => 0.9,
+        Encoding::Raw8 => 2.5,
+        Encoding::Raw16 => 2.1,
+        Encoding::W11 => 1.3,
+        Encoding::W16 | Encoding::W21 => 0.8,
+    }
+}
 
 /// The shadows of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +78,7 @@ struct Facts {
     /// What the user allows.
     error: f64,
     /// Of horizon maps.
+    maps_error: f64,
     azimuths: usize,
     maps_are_made: bool,
     /// That lights span in all exposures.
@@ -60,8 +87,9 @@ struct Facts {
     swept: usize,
     images: usize,
     samples: f64,
-    /// Times the lights that they are evaluated for.
     nodes: f64,
+    /// That differ from the exposure before.
+    lights: usize,
 }
 
 /// The scenario's shadows, chosen where it leaves them open.
@@ -84,9 +112,9 @@ impl Facts {
         let camera = &scenario.camera;
         let levels = surface.terrain.faces.iter().flat_map(|face| &face.levels);
         let seen = |level: &Level| (level.columns - 2 * level.margin) as f64 * (level.rows - 2 * level.margin) as f64;
-        let lights: usize = new.iter().map(|&index| held[index].len()).sum();
         Self {
             error,
+            maps_error: FOURIER_ERROR * error_ratio(scenario.horizon.encoding),
             azimuths: scenario.horizon.azimuths as usize,
             maps_are_made: matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })),
             spanned: planes(exposures),
@@ -96,33 +124,39 @@ impl Facts {
                 * f64::from(camera.columns)
                 * f64::from(camera.rows)
                 * f64::from(camera.samples_per_pixel),
-            nodes: levels.map(seen).sum::<f64>() * lights as f64,
+            nodes: levels.map(seen).sum::<f64>().max(1.0),
+            lights: new.iter().map(|&index| held[index].len()).sum(),
         }
     }
 
     fn choice(&self) -> Choice {
-        let Self { error, spanned, swept, images, .. } = *self;
+        let Self { error, maps_error, spanned, swept, images, .. } = *self;
         let maps = if self.maps_are_made { 0 } else { self.azimuths + self.azimuths.min(bound::AZIMUTHS) };
-        let maps_method = if self.samples > self.nodes { Shadows::Baked } else { Shadows::Fourier };
         let azimuth_step_deg = AZIMUTH_STEP_DEG;
-        let mut able = Vec::new();
-        if error >= FOURIER_ERROR {
-            able.push((maps, maps_method, FOURIER_ERROR));
-        }
-        if error >= TOWARDS_ERROR && spanned <= MOST_PLANES {
-            able.push((spanned, Shadows::Swath { azimuth_step_deg }, TOWARDS_ERROR));
-        }
-        if error >= TOWARDS_ERROR {
-            able.push((swept, Shadows::Sweep { azimuth_step_deg }, TOWARDS_ERROR));
-        }
+        let a_light = |cost: f64| cost * self.lights as f64;
+        let methods = [
+            (maps, SAMPLE * self.samples / self.nodes, Shadows::Fourier, maps_error),
+            (maps, a_light(BAKE), Shadows::Baked, maps_error),
+            (spanned, a_light(FETCH), Shadows::Swath { azimuth_step_deg }, TOWARDS_ERROR),
+            (swept, a_light(FETCH), Shadows::Sweep { azimuth_step_deg }, TOWARDS_ERROR),
+        ];
+        let is_able = |(azimuths, _, shadows, its_error): &(usize, f64, Shadows, f64)| {
+            error >= *its_error && (*azimuths <= MOST_PLANES || !matches!(shadows, Shadows::Swath { .. }))
+        };
+        let able = methods.into_iter().filter(is_able).map(|(azimuths, a_run, shadows, its_error)| {
+            let cost = azimuths as f64 + a_run;
+            (cost, shadows, its_error)
+        });
         // The first of equal ones.
-        let Some((azimuths, shadows, its_error)) = able.into_iter().min_by_key(|(azimuths, ..)| *azimuths) else {
-            let why = format!("shadows: Traced, nothing else errs by less than {TOWARDS_ERROR}, allowed is {error}");
+        let Some((cost, shadows, its_error)) = able.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            let best = TOWARDS_ERROR.min(maps_error);
+            let why = format!("shadows: Traced, nothing else errs by less than {best}, allowed is {error}");
             return Choice { shadows: Shadows::Traced, why: Some(why) };
         };
         let why = format!(
-            "shadows: {shadows:?} for an error of {its_error}, allowed is {error}: {azimuths} azimuths to sweep; maps take \
-             {maps}, a swath {spanned} (at most {MOST_PLANES}), sweeps {swept} for {images} images"
+            "shadows: {shadows:?} for an error of {its_error}, allowed is {error}: as long as sweeping {cost:.0} azimuths, images \
+             included; before the first of {images} images maps (error {maps_error}) take {maps}, a swath {spanned} (at most \
+             {MOST_PLANES}), sweeps {swept} in all"
         );
         Choice { shadows, why: Some(why) }
     }
@@ -134,13 +168,15 @@ mod tests {
 
     const LANDING: Facts = Facts {
         error: 0.01,
+        maps_error: FOURIER_ERROR,
         azimuths: 360,
         maps_are_made: false,
         spanned: 9,
         swept: 60,
         images: 24,
         samples: 1e8,
-        nodes: 1e7,
+        nodes: 2.5e6,
+        lights: 24,
     };
 
     fn chosen(facts: Facts) -> Shadows {
@@ -153,25 +189,38 @@ mod tests {
     #[test]
     fn a_landing_gets_a_swath_and_a_month_gets_maps() {
         assert_eq!(chosen(LANDING), SWATH);
-        let month = Facts { spanned: 2400, swept: 700, images: 100, ..LANDING };
+        let month = Facts { spanned: 2400, swept: 700, images: 100, lights: 100, samples: 4e8, ..LANDING };
         assert_eq!(chosen(month), Shadows::Baked);
         assert_eq!(chosen(Facts { samples: 1e6, ..month }), Shadows::Fourier);
     }
 
     #[test]
     fn a_few_images_far_apart_are_swept_one_by_one() {
-        assert_eq!(chosen(Facts { spanned: 2400, swept: 28, images: 4, ..LANDING }), SWEEP);
+        assert_eq!(chosen(Facts { spanned: 2400, swept: 28, images: 4, lights: 4, ..LANDING }), SWEEP);
     }
 
     #[test]
     fn one_image_gets_a_swath_which_is_kept() {
-        assert_eq!(chosen(Facts { spanned: 7, swept: 7, images: 1, ..LANDING }), SWATH);
+        assert_eq!(chosen(Facts { spanned: 7, swept: 7, images: 1, lights: 1, ..LANDING }), SWATH);
     }
 
     #[test]
     fn maps_that_are_made_anyway_are_used_where_they_are_right_enough() {
-        let sky = Facts { maps_are_made: true, ..LANDING };
+        let sky = Facts { maps_are_made: true, images: 3, lights: 3, ..LANDING };
         assert_eq!((chosen(sky), chosen(Facts { error: 0.004, ..sky })), (Shadows::Baked, SWATH));
+    }
+
+    /// 24 fields of a swath take less than 24 of the maps, by more than its nine azimuths.
+    #[test]
+    fn what_images_take_is_weighed() {
+        assert_eq!(chosen(Facts { maps_are_made: true, ..LANDING }), SWATH);
+    }
+
+    #[test]
+    fn maps_of_a_coarse_encoding_are_not_right_enough() {
+        let month = Facts { spanned: 2400, swept: 700, images: 100, lights: 100, samples: 4e8, ..LANDING };
+        let coarse = Facts { maps_error: FOURIER_ERROR * error_ratio(Encoding::Fm4), ..month };
+        assert_eq!((chosen(month), chosen(coarse)), (Shadows::Baked, SWEEP));
     }
 
     #[test]

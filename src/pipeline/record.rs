@@ -162,15 +162,21 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
     }
 }
 
+/// Standard deviation of the Sun's share from which a pixel counts as uncertain.
+const UNCERTAIN: f32 = 0.01;
+
 fn quality(scene: &Scene, image: &Image) -> QualityRecord {
     let worst_rad = horizon_maps(scene).map(|map| map.errors.decoded.max_rad).reduce(f64::max);
-    let gap_share = image.plane(Quantity::DemGap).map(|plane| {
-        let seen = plane.values.iter().filter(|value| value.is_finite()).count().max(1);
-        plane.values.iter().filter(|value| **value > 0.5).count() as f64 / seen as f64
-    });
     QualityRecord {
         max_horizon_error_deg: worst_rad.map(f64::to_degrees),
-        share_uncertain: None,
-        share_interpolated_dem: gap_share,
+        share_uncertain: share_above(image, Quantity::SunFractionSigma, UNCERTAIN),
+        share_interpolated_dem: share_above(image, Quantity::DemGap, 0.5),
     }
+}
+
+/// Of a plane's pixels that have a value; `None` where the plane is not written.
+fn share_above(image: &Image, quantity: Quantity, limit: f32) -> Option<f64> {
+    let plane = image.plane(quantity)?;
+    let seen = plane.values.iter().filter(|value| value.is_finite()).count().max(1);
+    Some(plane.values.iter().filter(|value| **value > limit).count() as f64 / seen as f64)
 }

@@ -134,7 +134,7 @@ pub fn series(
 
 /// The search of maximum mipmaps that the scenario asks for.
 pub fn mipmaps(terrain: &Terrain, runs: &[u32]) -> Mipmaps {
-    if runs.is_empty() { Mipmaps::reaching(terrain) } else { Mipmaps { runs: runs.to_vec() } }
+    if runs.is_empty() { Mipmaps::reaching(terrain) } else { Mipmaps::of(runs) }
 }
 
 /// Azimuths in which horizon maps are summed over the sky: twice their harmonics.

@@ -21,6 +21,7 @@ use std::time::Duration;
 
 use crate::gpu::GpuError;
 use crate::horizon::Encoding;
+use crate::shadow::OutsideSwath;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer.
@@ -56,4 +57,6 @@ pub enum RenderError {
     Encodings { first: Encoding, other: Encoding },
     #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
     TooManyLights { got: usize, allowed: usize },
+    #[error(transparent)]
+    OutsideSwath(#[from] OutsideSwath),
 }

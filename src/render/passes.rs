@@ -162,7 +162,8 @@ impl Prepared {
     }
 
     fn dispatch(&mut self, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Dispatched, RenderError> {
-        let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &view.held_lights()));
+        let held = view.held_lights();
+        let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &held)).transpose()?;
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();

@@ -242,6 +242,9 @@ fn light_seen(facet: Facet, index: u32, light: LightParameters, s: vec3f, plane:
         let line = skyline(facet, index, s, light.radius_rad);
         return disk_light(line.x, line.y, plane);
     }
+    if plane.x <= 0.0 {
+        return NO_LIGHT;
+    }
     let level = map_levels[facet.level];
     if SKYLINES == 5u {
         return DiskLight(field_skyline(level, index, facet.grid).x, vec2f(0.0));

@@ -21,7 +21,9 @@ use super::refine::Settled;
 use super::{Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, Shadow, Site, Skylines, Traced};
+use crate::shadow::{
+    Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Site, Skylines, Traced,
+};
 use crate::terrain::{Ground, Hit};
 
 /// Renders on the CPU, in f64, on all cores.
@@ -34,7 +36,7 @@ impl Renderer for Reference {
     }
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
-        let shadow = shadow(scene, view);
+        let shadow = shadow(scene, view)?;
         let offsets = scene.sample_offsets();
         let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
@@ -51,16 +53,16 @@ impl Renderer for Reference {
     }
 }
 
-fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
+fn shadow<'a>(scene: &'a Scene, view: &View) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
     let surface = &scene.surface;
     if let Some(settled) = Settled::of(scene) {
-        return Some(Box::new(settled));
+        return Ok(Some(Box::new(settled)));
     }
     if let Some(method) = scene.shadows.towards() {
-        let skylines = Skylines::default().towards(surface, method, &view.held_lights());
-        return Some(Box::new(Fetched { surface, skylines }));
+        let skylines = Skylines::default().towards(surface, method, &view.held_lights())?;
+        return Ok(Some(Box::new(Fetched { surface, skylines })));
     }
-    match &scene.shadows {
+    Ok(match &scene.shadows {
         Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
         Shadows::Lighting(lighting) => {
             Some(Box::new(LightingFactors::new(surface, lighting, &scene.disk, &view.held_lights())))
@@ -68,7 +70,7 @@ fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
         Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
         Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
-    }
+    })
 }
 
 /// What the ray through an image point meets.

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::skylines::{Field, HeldLight, Towards};
+use super::skylines::{Field, HeldLight, OutsideSwath, Towards};
 use crate::horizon::HorizonMap;
 use crate::terrain::Surface;
 
@@ -16,7 +16,7 @@ impl Towards for Baked {
         "baked"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
         let horizons = &self.0[face][level];
         let columns = horizons.columns;
@@ -28,6 +28,6 @@ impl Towards for Baked {
             let (elevation_rad, slope) = series.evaluate_towards(towards);
             [elevation_rad as f32, slope as f32]
         };
-        (0..columns * horizons.rows).into_par_iter().map(skyline).collect()
+        Ok((0..columns * horizons.rows).into_par_iter().map(skyline).collect())
     }
 }

@@ -14,6 +14,8 @@
 //! # References
 //! Fritsch et al. (2025), sections 3.3 and 4.3, doi:10.2312/hpg.20251171.
 
+use std::convert::Infallible;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -103,14 +105,21 @@ pub struct LightingFactors<'a> {
 
 impl<'a> LightingFactors<'a> {
     pub fn new(surface: &'a Surface, lighting: &'a Lighting, disk: &SolarDisk, lights: &[HeldLight]) -> Self {
-        let find = |light: &HeldLight, at: [usize; 2]| lighting.nodes(disk, surface, at, light);
-        let fields = (lighting.at == At::Nodes).then(|| Skylines::default().found(surface, &find, lights));
+        let find = |light: &HeldLight, at: [usize; 2]| Ok::<_, Infallible>(lighting.nodes(disk, surface, at, light));
+        let found = || {
+            let Ok(fields) = Skylines::default().found(surface, &find, lights);
+            fields
+        };
+        let fields = (lighting.at == At::Nodes).then(found);
         Self { surface, lighting, fields }
     }
 }
 
 impl Shadow for LightingFactors<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
+        if disc.facet.height <= 0.0 {
+            return DiskLight::NONE;
+        }
         let level = &self.surface.terrain.faces[site.face].levels[site.level];
         let grid = level.grid_from_map(site.lifted.truncate()) - level.margin as f64;
         let fraction = match &self.fields {

@@ -3,6 +3,9 @@
 // Mips of each run, four bits each, the nearest run in the lowest ones; 0 ends them.
 override MIPMAP_RUNS_1: u32 = 0u;
 override MIPMAP_RUNS_2: u32 = 0u;
+// Uniform stepping in their place: how many steps, of how many postings.
+override UNIFORM_STEPS: u32 = 0u;
+override UNIFORM_SPACING: f32 = 1.0;
 
 const NOTHING: f32 = -3.0e38;
 const FARTHEST_M: f32 = 3.0e38;
@@ -143,6 +146,20 @@ fn mipmap_line(facet: Facet, towards: vec2f, s: vec3f, radius_rad: f32) -> vec2f
         }
         steepest = max(steepest, run_slope(facet, towards, light_slope, start_m, i32(mips)));
         start_m += map_levels[facet.level].posting_m * f32(1u << (mips - 1u));
+    }
+    let step_m = UNIFORM_SPACING * map_levels[facet.level].posting_m;
+    for (var step = 1u; step <= UNIFORM_STEPS; step++) {
+        let at_m = f32(step) * step_m;
+        let index = level_along(facet, towards, at_m);
+        if index == NO_LEVEL {
+            break;
+        }
+        let level = map_levels[index];
+        var grid = facet.grid + towards * (at_m / level.posting_m);
+        if index != facet.level {
+            grid = (facet.at_m + towards * at_m - level.south_west_m) / level.posting_m;
+        }
+        steepest = max(steepest, (surface_m(level, grid) - facet.height_m) / at_m);
     }
     // The bare sphere lies beyond; who stands below it sees the plain through his feet.
     let above = max(square + h * (2.0 - h), 0.0) / ((1.0 - h) * (1.0 - h));

@@ -29,7 +29,7 @@ pub use lighting::{At, Lighting, LightingFactors};
 pub use mipmaps::{MipmapRuns, Mipmaps};
 pub use multiscale::{HeightPyramid, Multiscale};
 pub use single_azimuth::{Edge, SingleAzimuth};
-pub use skylines::{Fetched, HeldLight, Skylines, Towards};
+pub use skylines::{Fetched, HeldLight, OutsideSwath, Skylines, Towards};
 pub use swath::Swath;
 pub use sweep::Swept;
 pub use traced::Traced;

@@ -30,7 +30,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::skylines::{Field, HeldLight, Towards};
+use super::skylines::{Field, HeldLight, OutsideSwath, Towards};
 use crate::terrain::{Gnomonic, Level, Surface, Terrain};
 
 /// Images of a level's heights above the sphere, the finest first; each is `2^(1/k)` coarser than the one before.
@@ -233,7 +233,7 @@ impl Towards for Multiscale {
         "multiscale"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
         let half_rad = 0.5 * self.swath_rad;
@@ -249,7 +249,7 @@ impl Towards for Multiscale {
                 .expect("three directions");
             [middle as f32, ((right - left) / self.swath_rad) as f32]
         };
-        (0..columns * rows).into_par_iter().map(skyline).collect()
+        Ok((0..columns * rows).into_par_iter().map(skyline).collect())
     }
 }
 

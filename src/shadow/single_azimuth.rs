@@ -33,7 +33,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fan::{THREE, line_of_three};
-use super::skylines::{Field, HeldLight, Skyline, Towards};
+use super::skylines::{Field, HeldLight, OutsideSwath, Skyline, Towards};
 use crate::horizon::Settings;
 use crate::terrain::Surface;
 use lanes::{LANES, Lines};
@@ -69,7 +69,7 @@ impl Towards for SingleAzimuth {
         }
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let lines = Lines::new(surface, face, level, self.spacing, &self.settings);
         let (columns, rows) = lines.seen();
         let mut field = vec![[0.0; 2]; columns * rows];
@@ -78,7 +78,7 @@ impl Towards for SingleAzimuth {
                 self.block(&lines, light, [block * LANES, row], skylines);
             }
         });
-        field
+        Ok(field)
     }
 }
 

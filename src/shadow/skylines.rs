@@ -60,7 +60,15 @@ pub trait Towards: Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     /// One skyline per seen node of level `level` of face `face`.
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field;
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath>;
+}
+
+/// A light towards which no horizons were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a light stands outside the swath that was made, as seen from level {level} of map {face}")]
+pub struct OutsideSwath {
+    pub face: usize,
+    pub level: usize,
 }
 
 /// A light held still.
@@ -130,28 +138,28 @@ pub struct Skylines {
 
 impl Skylines {
     /// Finds the skylines towards `lights`, those that `self` holds already kept.
-    pub fn towards(&self, surface: &Surface, method: &dyn Towards, lights: &[HeldLight]) -> Self {
+    pub fn towards(&self, surface: &Surface, method: &dyn Towards, lights: &[HeldLight]) -> Result<Self, OutsideSwath> {
         self.found(surface, &|light, [face, level]| method.field(surface, face, level, light), lights)
     }
 
     /// The same by a function of a light, a face and a level of it.
-    pub(super) fn found(
+    pub(super) fn found<E>(
         &self,
         surface: &Surface,
-        field: &dyn Fn(&HeldLight, [usize; 2]) -> Field,
+        field: &dyn Fn(&HeldLight, [usize; 2]) -> Result<Field, E>,
         lights: &[HeldLight],
-    ) -> Self {
+    ) -> Result<Self, E> {
         let find = |light: &HeldLight| {
             if let Some(known) = self.lights.iter().position(|held| held == light) {
-                return self.fields[known].clone();
+                return Ok(self.fields[known].clone());
             }
             let faces = surface.terrain.faces.iter().enumerate();
             let of_face = |(face, levels): (usize, &Face)| {
-                (0..levels.levels.len()).map(|level| Arc::new(field(light, [face, level]))).collect()
+                (0..levels.levels.len()).map(|level| field(light, [face, level]).map(Arc::new)).collect()
             };
             faces.map(of_face).collect()
         };
-        Self { lights: lights.to_vec(), fields: lights.iter().map(find).collect() }
+        Ok(Self { lights: lights.to_vec(), fields: lights.iter().map(find).collect::<Result<_, E>>()? })
     }
 
     pub fn field(&self, light: usize, face: usize, level: usize) -> &Field {

@@ -19,14 +19,14 @@
 //!
 //! # Assumptions
 //! Between planes a step apart the skyline is straight. A light must stay within the swath that was made for it:
-//! [`Swath::field`] panics on any other.
+//! any other is an error ([`OutsideSwath`]).
 
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::fan::{Fan, Sight};
-use super::skylines::{Feet, Field, HeldLight, Towards};
+use super::skylines::{Feet, Field, HeldLight, OutsideSwath, Towards};
 use crate::horizon::planes::{self, Plane, Sweeps};
 use crate::horizon::{Error, Settings};
 use crate::terrain::{Surface, Terrain};
@@ -155,16 +155,16 @@ impl Towards for Swath {
         "swath"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let terrain = &surface.terrain.faces[face];
         let feet = Feet::of(&terrain.levels[level]);
         let sight = Sight { map: &terrain.map, feet, light };
         let corners = [0, feet.columns - 1, feet.count() - feet.columns, feet.count() - 1];
         let mut strips = self.strips.iter().map(|faces| &faces[face][level]);
         let holds = |strip: &&Strip| corners.iter().all(|corner| strip.fan.spans(&sight.aim(*corner)));
-        let Strip { fan, planes } = strips.find(holds).expect("the swath was made for this light");
+        let Strip { fan, planes } = strips.find(holds).ok_or(OutsideSwath { face, level })?;
         let mut field = vec![[0.0; 2]; feet.count()];
         fan.add(&mut field, &sight, &(0..planes.len()), |plane, node| planes[plane].elevation_rad(node));
-        field
+        Ok(field)
     }
 }

@@ -16,7 +16,7 @@
 use rayon::prelude::*;
 
 use super::fan::{Fan, Sight};
-use super::skylines::{Feet, Field, HeldLight, Towards};
+use super::skylines::{Feet, Field, HeldLight, OutsideSwath, Towards};
 use crate::horizon::Settings;
 use crate::horizon::planes::Sweeps;
 use crate::terrain::Surface;
@@ -37,7 +37,7 @@ impl Towards for Swept {
         "sweep"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Field {
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let (terrain, nodes) = (&surface.terrain.faces[face], &surface.terrain.faces[face].levels[level]);
         let fan = Fan::over(&terrain.map, nodes, &[*light], self.step_rad, MOST_PLANES);
         let directions: Vec<_> = (0..fan.planes).map(|plane| fan.direction(plane)).collect();
@@ -51,6 +51,6 @@ impl Towards for Swept {
                 directions[some.clone()].par_iter().map(|direction| sweeps.elevations_rad(*direction)).collect();
             fan.add(&mut field, &sight, &some, |plane, node| swept[plane - first][node]);
         }
-        field
+        Ok(field)
     }
 }

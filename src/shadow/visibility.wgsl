@@ -43,17 +43,17 @@ fn visible_share(profile: HorizonProfile, poise: Poise) -> f32 {
     let horizon = horizon_towards(profile, beside(poise, 0.0));
     let slope = horizon.y * azimuth_ratio(poise.at_m, poise.map_radius_m, beside(poise, 0.0));
     let line = horizon_line(horizon.x, slope, sine, sqrt(max(1.0 - sine * sine, 0.0)), poise.radius_rad);
-    return share_above(clamp(line.x * inverseSqrt(1.0 + line.y * line.y), -1.0, 1.0));
+    return share_above(line.x * inverseSqrt(1.0 + line.y * line.y));
 }
 
-// Height of the skyline at a column of the disc above the disc's centre, in radii, within the disc.
+// Height of the skyline at a column of the disc above the disc's centre, in radii.
 fn skyline_height(profile: HorizonProfile, poise: Poise, x: f32) -> f32 {
     let sun_sine = dot(poise.s, poise.up);
     let sun_cosine = sqrt(max(1.0 - sun_sine * sun_sine, 0.0));
     let offset_sine = clamp(small_sine(x * poise.radius_rad) / max(sun_cosine, LEAST_LEVEL), -1.0, 1.0);
     let elevation_rad = horizon_towards(profile, beside(poise, offset_sine)).x;
     let above_sine = small_sine(elevation_rad) * sun_cosine - small_cosine(elevation_rad) * sun_sine;
-    return clamp(small_arcsine(above_sine) / poise.radius_rad, -1.0, 1.0);
+    return small_arcsine(above_sine) / poise.radius_rad;
 }
 
 // The unit map direction of an azimuth, clockwise from that of the disc's centre by the angle of this sine.

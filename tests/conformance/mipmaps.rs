@@ -10,7 +10,7 @@ use super::render::{compare, scenes};
 
 /// The published runs, and those that reach the terrain's end.
 fn methods(scene: &Scene) -> Vec<Mipmaps> {
-    let published = [vec![5, 5, 5, 3], vec![1]].map(|runs| Mipmaps { runs });
+    let published = [Mipmaps::of(&[5, 5, 5, 3]), Mipmaps::of(&[1]), Mipmaps::uniform(100, 1.0)];
     published.into_iter().chain([Mipmaps::reaching(&scene.surface.terrain)]).collect()
 }
 
@@ -38,9 +38,9 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
 fn one_mip_less_is_noticed() {
     let Some(gpu) = super::gpu() else { return };
     let (_, mut scene, view) = scenes().swap_remove(0);
-    scene.shadows = Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5] });
+    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5]));
     let reference = Reference.samples(&scene, &view).unwrap();
-    scene.shadows = Shadows::Mipmaps(Mipmaps { runs: vec![5, 4, 5] });
+    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 4, 5]));
     let other = Passes::new(gpu).samples(&scene, &view).unwrap();
     assert!(compare(&scene, &reference, &other).radiance < 0.995);
 }

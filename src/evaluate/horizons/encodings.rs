@@ -33,8 +33,8 @@ use crate::pipeline::Progress;
 /// What all others are compared with.
 const BASELINE: &str = "fm16";
 /// Every second of the swept azimuths has a Sun.
-const SUNS: usize = 180;
-const AZIMUTHS: usize = 2 * SUNS;
+pub const SUNS: usize = 180;
+pub const AZIMUTHS: usize = 2 * SUNS;
 /// Those that are measured with a band as well.
 const BANDED: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
 /// Elevation and every how many azimuths of the images whose similarity is measured.
@@ -214,14 +214,16 @@ pub fn plot(tables: &Tables) -> Plot {
 }
 
 /// Uncompressed horizons of all nodes of a patch.
-struct Patch {
-    columns: usize,
-    rows: usize,
-    planes: Vec<Plane>,
+#[derive(Debug)]
+pub struct Patch {
+    pub columns: usize,
+    pub rows: usize,
+    /// In the order of their azimuths.
+    pub planes: Vec<Plane>,
 }
 
 impl Patch {
-    fn of(scene: &Scene, settings: &Settings) -> Self {
+    pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let level = &scene.face.levels[0];
         let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
         let mut planes = Vec::new();
@@ -244,18 +246,18 @@ impl Patch {
         Self { columns, rows, planes }
     }
 
-    fn nodes(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         self.columns * self.rows
     }
 
     /// At the azimuths of the Suns.
-    fn profiles(&self) -> Profiles {
+    pub fn profiles(&self) -> Profiles {
         let suns = || self.planes.iter().step_by(AZIMUTHS / SUNS);
         let profile = |node: usize| suns().map(|plane| f64::from(plane.elevations_rad[node])).collect();
         (0..self.nodes()).into_par_iter().map(profile).collect()
     }
 
-    fn encoded(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> HorizonMap {
+    pub fn encoded(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> HorizonMap {
         let mut sums = Accumulator::new(encoding, self.columns, self.rows, self.planes.len());
         for planes in self.planes.chunks(16) {
             let clamped = |plane: &Plane| Plane {
@@ -281,7 +283,7 @@ impl Patch {
 }
 
 /// What a map decodes to at its nodes, towards the Suns.
-fn decoded(map: &HorizonMap, settings: &Settings) -> Profiles {
+pub fn decoded(map: &HorizonMap, settings: &Settings) -> Profiles {
     let directions: Vec<DVec2> = (0..AZIMUTHS).step_by(AZIMUTHS / SUNS).map(|i| settings.direction(i)).collect();
     let profile = |node: usize| {
         let horizon = map.horizon(DVec2::new((node % map.columns) as f64, (node / map.columns) as f64));

@@ -13,7 +13,8 @@ use crate::shadow::{At, Baked, Edge, Lighting, Mipmaps, Multiscale, SingleAzimut
 pub const USUAL: [&str; 7] = ["fourier", "baked", "swath", "mipmaps-5-5-5", "mipmaps-5-5-5-3", "mipmaps", "none"];
 
 /// Methods that take minutes a frame on large terrain.
-pub const SLOW: [&str; 5] = ["sweep", "single-azimuth", "single-azimuth-level", "single-azimuth-hard", "multiscale"];
+pub const SLOW: [&str; 6] =
+    ["uniform-100", "sweep", "single-azimuth", "single-azimuth-level", "single-azimuth-hard", "multiscale"];
 
 /// Between two azimuths of swaths and sweeps, in degrees.
 const AZIMUTH_STEP_DEG: f64 = 0.15;
@@ -72,8 +73,9 @@ impl Workshop<'_> {
             "single-azimuth" => single(Edge::Sloped),
             "single-azimuth-level" => single(Edge::Level),
             "single-azimuth-hard" => single(Edge::Hard),
-            "mipmaps-5-5-5" => Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5] }),
-            "mipmaps-5-5-5-3" => Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5, 3] }),
+            "mipmaps-5-5-5" => Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5])),
+            "mipmaps-5-5-5-3" => Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5, 3])),
+            "uniform-100" => Shadows::Mipmaps(Mipmaps::uniform(100, 1.0)),
             "mipmaps" => Shadows::Mipmaps(Mipmaps::reaching(&surface.terrain)),
             "multiscale" => Shadows::Towards(Box::new(Multiscale::new(&surface.terrain, 4, 2.0, 2f64.to_radians()))),
             "none" => Shadows::None,

@@ -78,7 +78,7 @@ impl<'a> Workbench<'a> {
             "single-azimuth" => single(Edge::Sloped),
             "single-azimuth-level" => single(Edge::Level),
             "single-azimuth-hard" => single(Edge::Hard),
-            "mipmaps-5-5-5" => Shadows::Mipmaps(Mipmaps { runs: vec![5, 5, 5] }),
+            "mipmaps-5-5-5" => Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5])),
             "mipmaps" => Shadows::Mipmaps(Mipmaps::reaching(&surface.terrain)),
             "multiscale" => Shadows::Towards(Box::new(Multiscale::new(&surface.terrain, 4, 2.0, 2f64.to_radians()))),
             _ => return Err(Error::Method { got: method.into(), allowed: METHODS.join(", ") }),

@@ -7,7 +7,7 @@ use crate::gpu::Gpu;
 use crate::photometry::SolarDisk;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
-use crate::shadow::{HeldLight, Skylines};
+use crate::shadow::{HeldLight, OutsideSwath, Skylines};
 
 /// The baking pass, as one text.
 pub const SHADER: &str = concat!(
@@ -66,16 +66,22 @@ impl DeviceSkylines {
     }
 
     /// The fields towards these lights and what making them took on the device.
-    pub fn towards(&mut self, gpu: &Gpu, scene: &Scene, ground: &DeviceGround, lights: &[HeldLight]) -> Option<f64> {
+    pub fn towards(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        ground: &DeviceGround,
+        lights: &[HeldLight],
+    ) -> Result<Option<f64>, OutsideSwath> {
         if self.made.as_ref().is_some_and(|(held, _)| held == lights) {
-            return Some(0.0);
+            return Ok(Some(0.0));
         }
         let (seconds, buffer) = match &self.bake {
             Some(pipeline) => self.bake(gpu, pipeline, scene, ground, lights),
-            None => (Some(0.0), self.send(gpu, scene, lights)),
+            None => (Some(0.0), self.send(gpu, scene, lights)?),
         };
         self.made = Some((lights.to_vec(), buffer));
-        seconds
+        Ok(seconds)
     }
 
     pub fn buffer(&self) -> Option<&Buffer> {
@@ -116,9 +122,9 @@ impl DeviceSkylines {
         (seconds, fields)
     }
 
-    fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[HeldLight]) -> Buffer {
+    fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[HeldLight]) -> Result<Buffer, OutsideSwath> {
         let method = scene.shadows.towards().expect("fields have a method");
-        self.host = self.host.towards(&scene.surface, method, lights);
+        self.host = self.host.towards(&scene.surface, method, lights)?;
         let mut values = vec![[0.0; 2]; PER_TEXEL * lights.len() * self.texels];
         for light in 0..lights.len() {
             let mut starts = self.starts.iter().map(|start| PER_TEXEL * (light * self.texels + start));
@@ -129,6 +135,6 @@ impl DeviceSkylines {
                 }
             }
         }
-        gpu.storage("skylines", &values)
+        Ok(gpu.storage("skylines", &values))
     }
 }
