@@ -74,7 +74,7 @@ pub struct Args {
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     observer_height: f64,
     /// Azimuths at which skylines are swept
-    #[arg(long, value_name = "N", default_value_t = 720, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(36..=3600))]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(36..=3600))]
     azimuths: usize,
     /// Take skylines from a compressed tile, which is kept for the next time, instead of sweeping them anew: less memory,
     /// larger errors
