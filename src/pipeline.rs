@@ -112,8 +112,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let (craters, lists) = landmarks::craters(scenario, &ground, cache)?;
-    ground.inputs.extend(lists);
+    let craters = landmarks::craters(scenario, &mut ground, cache)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {

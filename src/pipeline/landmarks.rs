@@ -8,15 +8,11 @@ use crate::labels::{Crater, Origin, Rim, catalogue, without_repeats};
 use crate::raster;
 use crate::scenario::{CraterList, Dem, Scenario};
 
-/// The craters of all lists with their rims, and the files that they come from.
-pub fn craters(
-    scenario: &Scenario,
-    ground: &ground::Ground,
-    cache: &Path,
-) -> Result<(Vec<(Crater, Rim)>, Vec<Input>), Error> {
+/// The craters of all lists with their rims. Catalogues join the ground's inputs.
+pub fn craters(scenario: &Scenario, ground: &mut ground::Ground, cache: &Path) -> Result<Vec<(Crater, Rim)>, Error> {
     use rayon::prelude::*;
     let (body, lists) = (&scenario.body, scenario.landmarks.as_ref().map_or(&[][..], |landmarks| &landmarks.lists));
-    let (mut read, mut inputs) = (Vec::new(), Vec::new());
+    let mut read = Vec::new();
     for (index, list) in lists.iter().enumerate() {
         match list {
             CraterList::Terrain => read.extend(of_terrain(scenario, cache)?),
@@ -25,12 +21,15 @@ pub fn craters(
                 let prefix = if lists.len() > 1 { format!("{index}/") } else { String::new() };
                 read.push(catalogue::read(path, &prefix, Origin::Catalogue)?);
                 let sha256 = raster::digest(path)?;
-                inputs.push(Input { role: "craters".into(), name: ground::file_name(path), sha256 });
+                ground.inputs.push(Input { role: "craters".into(), name: ground::file_name(path), sha256 });
             }
         }
     }
-    let craters = without_repeats(read, body);
-    Ok((craters.into_par_iter().map(|crater| (crater.clone(), Rim::of(&crater, &ground.surface))).collect(), inputs))
+    let rim = |crater: Crater| {
+        let rim = Rim::of(&crater, &ground.surface);
+        (crater, rim)
+    };
+    Ok(without_repeats(read, body).into_par_iter().map(rim).collect())
 }
 
 /// The lists of the made models, the finest first: it repeats what it holds of the coarser ones'.
