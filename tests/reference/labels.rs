@@ -83,11 +83,10 @@ fn solved(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> [f64; 6] {
         let pivot = (i..6).max_by(|&a, &b| matrix[a][i].abs().total_cmp(&matrix[b][i].abs())).unwrap();
         matrix.swap(i, pivot);
         right.swap(i, pivot);
-        for j in i + 1..6 {
-            let factor = matrix[j][i] / matrix[i][i];
-            for k in i..6 {
-                matrix[j][k] -= factor * matrix[i][k];
-            }
+        let (above, below) = matrix.split_at_mut(i + 1);
+        for (j, row) in (i + 1..6).zip(below) {
+            let factor = row[i] / above[i][i];
+            row.iter_mut().zip(above[i]).for_each(|(element, pivot)| *element -= factor * pivot);
             right[j] -= factor * right[i];
         }
     }
