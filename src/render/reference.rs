@@ -53,7 +53,8 @@ impl Renderer for Reference {
     }
 }
 
-fn shadow<'a>(scene: &'a Scene, view: &View) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
+/// The scene's method of shadows, with whatever it finds in advance for a view's lights.
+pub fn shadow<'a>(scene: &'a Scene, view: &View) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
     let surface = &scene.surface;
     if let Some(settled) = Settled::of(scene) {
         return Ok(Some(Box::new(settled)));
@@ -71,6 +72,14 @@ fn shadow<'a>(scene: &'a Scene, view: &View) -> Result<Option<Box<dyn Shadow + '
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
         Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
     })
+}
+
+/// Share of the Sun's disc that a point of the ground sees; NaN on ground without heights.
+pub fn sun_fraction(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> f64 {
+    match view.lights.first() {
+        Some(sun) if hit.ground != Ground::Gap => illuminate(scene, shadow, hit, normal(scene, hit), (0, sun)).fraction,
+        _ => f64::NAN,
+    }
 }
 
 /// What the ray through an image point meets.
