@@ -5,7 +5,7 @@ use perilune::geometry::{Body, Rotation};
 use perilune::labels::Flow;
 use perilune::render::reference::Reference;
 use perilune::render::{Quantity, Renderer, Scene, View};
-use perilune::terrain::{Hit, Terrain};
+use perilune::terrain::{Ground, Hit, Terrain};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
 
@@ -32,6 +32,11 @@ fn pixel(index: usize) -> DVec2 {
 
 fn hills(at_m: DVec2) -> f64 {
     200.0 * (at_m.x / 210.0).sin() * (at_m.y / 170.0).cos()
+}
+
+/// Slopes of up to 53°, which hide what is behind them from cameras this low.
+fn bumps(at_m: DVec2) -> f64 {
+    80.0 * (at_m.x / 60.0).sin() * (at_m.y / 75.0).cos()
 }
 
 /// Turning about the pupil moves pixels by `K R K⁻¹`, whatever the ground.
@@ -81,7 +86,7 @@ fn a_camera_that_moves_over_a_plain_moves_it_by_closed_forms() {
 #[test]
 fn the_next_image_sees_the_same_ground_where_the_flow_leads() {
     let body = Body::moon();
-    let scene = of(Grid::square(2500.0, 20.0).terrain(&body, hills));
+    let scene = of(Grid::square(2500.0, 20.0).terrain(&body, bumps));
     let [view, next] = [(DVec2::new(-700.0, 0.0), 340.0), (DVec2::new(600.0, 200.0), 300.0)].map(|(at_m, height_m)| {
         let view = above(&body, at_m, height_m);
         let forward = (map(&body).map_from_body.inverse().turn(DVec3::new(-at_m.x, 200.0, -150.0))).normalize();
@@ -92,7 +97,7 @@ fn the_next_image_sees_the_same_ground_where_the_flow_leads() {
     let flow = Flow::to(&scene, Some(&next), &seen);
     let (mut same, mut hidden) = (0, 0);
     for (index, hit) in seen.iter().enumerate() {
-        let Some(hit) = hit else { continue };
+        let Some(hit) = hit.as_ref().filter(|hit| hit.ground != Ground::Gap) else { continue };
         let found = pixel(index) + DVec2::new(flow.x_px[index].into(), flow.y_px[index].into());
         if !(found.is_finite() && scene.optics.contains(found)) {
             assert!(flow.covisible[index] == 0.0);
@@ -113,7 +118,7 @@ fn the_next_image_sees_the_same_ground_where_the_flow_leads() {
         }
     }
     println!("{same} pixels see the same ground, {hidden} other ground");
-    assert!(same > 500 && hidden > 100, "{same} {hidden}");
+    assert!(same > 300 && hidden > 300, "{same} {hidden}");
 }
 
 #[test]
