@@ -11,7 +11,7 @@
 pub mod auto;
 mod check;
 mod craters;
-mod error;
+pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 pub mod motion;
