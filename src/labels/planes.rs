@@ -2,7 +2,7 @@
 
 use super::{Flow, Hazards, Limits, shadow_change};
 use crate::render::planes::Radiometry;
-use crate::render::{Plane, Quantity, Samples, Scene, View};
+use crate::render::{Plane, Quantity, RenderError, Samples, Scene, View};
 
 /// What an exposure's labels need besides itself.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ pub struct Sequence<'a> {
 }
 
 /// The planes of `scene.quantities` that are labels. None of them costs anything unless it is asked for.
-pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Vec<Plane> {
+pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Result<Vec<Plane>, RenderError> {
     use Quantity as Q;
     let asked = |quantities: &[Q]| quantities.iter().any(|quantity| scene.quantities.contains(quantity));
     let flow =
@@ -23,7 +23,7 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
     let next = flow(asked(&[Q::Flow, Q::Covisible]), sequence.next);
     let previous = flow(asked(&[Q::FlowBack, Q::CovisibleBack]), sequence.previous);
     let hazards = if asked(&[Q::HazardSlope, Q::HazardRoughness, Q::HazardSunlit, Q::Hazard]) {
-        Hazards::of(scene, view, &samples.centres, sequence.limits, asked(&[Q::HazardSunlit]))
+        Hazards::of(scene, view, &samples.centres, sequence.limits, asked(&[Q::HazardSunlit]))?
     } else {
         Hazards::default()
     };
@@ -40,10 +40,10 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
         _ => unreachable!("{quantity:?} is no label"),
     };
     let labels = scene.quantities.iter().copied().filter(|quantity| quantity.is_label());
-    labels
+    Ok(labels
         .flat_map(|quantity| {
             let named = quantity.channels().iter().zip(channels(quantity));
             named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
         })
-        .collect()
+        .collect())
 }

@@ -54,7 +54,7 @@ impl<'a> Labels<'a> {
         };
         let next = view(Some(index + 1));
         let sequence = Sequence { previous, next, before: before.as_deref(), limits: self.limits };
-        let planes = labels::planes(scene, &exposures[index].view, &samples, &sequence);
+        let planes = labels::planes(scene, &exposures[index].view, &samples, &sequence)?;
         self.last = Some((index, samples.pixels));
         Ok(planes)
     }
