@@ -14,9 +14,11 @@ mod error;
 pub mod globe;
 pub mod ground;
 pub mod motion;
+mod ortho;
 mod progress;
 mod record;
 pub mod scene;
+mod split;
 pub mod swath;
 
 use std::ops::Range;
@@ -95,6 +97,9 @@ pub struct Prepared {
     pub almanac: Almanac,
     pub frame: BodyFrame,
     pub ground: ground::Ground,
+    /// The scenario at each point of its sweep; one without a sweep.
+    pub points: Vec<Scenario>,
+    pub sweep: Option<scenario::Sweep>,
     pub exposures: Vec<Exposure>,
     pub shadows: auto::Choice,
 }
@@ -108,12 +113,18 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    let points = points(scenario);
+    let exposures = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, shadows })
+    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, shadows })
+}
+
+/// The scenario at each point of its sweep.
+fn points(scenario: &Scenario) -> Vec<Scenario> {
+    (0..scenario.points()).map(|point| scenario.at_point(point)).collect()
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -234,7 +245,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     }
     seconds.terrain = lap(start);
     let start = Instant::now();
-    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let mut scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
 
     let mut passes = gpu.as_ref().map(Passes::new);
@@ -249,19 +260,26 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
         white: record::white(scenario),
+        formats: scenario.outputs.formats.clone(),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
     let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
 
     let start = Instant::now();
     let mut device = Duration::ZERO;
+    let orthoimages = scenario.outputs.formats.contains(&dataset::Format::GeoTiff);
     progress.begin("rendering", todo.len(), "exposures");
     for (done, &index) in todo.iter().enumerate() {
         let exposure = &prepared.exposures[index];
+        scene::move_to(&mut scene, &prepared.points[exposure.point])?;
         let image = renderer.render(&scene, &exposure.view)?;
         device += renderer.device_time().unwrap_or_default();
-        let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
-        writer.submit(dataset::Exposure { index, image, facts })?;
+        let facts = record::facts(&prepared, &scene, &run, index, &image);
+        let orthoimage = orthoimages
+            .then(|| ortho::orthoimage(&scene, prepared.ground.centre, &exposure.view, &image))
+            .transpose()?
+            .flatten();
+        writer.submit(dataset::Exposure { index, image, facts, orthoimage })?;
         progress.at(done + 1, todo.len());
     }
     seconds.rendering = lap(start);
@@ -284,7 +302,7 @@ fn lap(start: Instant) -> f64 {
 }
 
 fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
-    let count = scenario.exposures.len();
+    let count = scenario.images();
     let range = options.exposures.clone().unwrap_or(0..count);
     if range.is_empty() || range.end > count {
         return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });

@@ -6,5 +6,6 @@ mod compare;
 mod conformance;
 mod evaluate;
 mod invariants;
+mod readers;
 mod reference;
 mod scenes;

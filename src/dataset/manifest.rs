@@ -66,6 +66,12 @@ pub struct PreviewScale {
 pub struct ManifestEntry {
     pub index: usize,
     pub epoch_utc: String,
+    /// Absent: the run has no sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<usize>,
+    /// `train`, `validation` or `test`; absent: the dataset is not split.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split: Option<String>,
     pub files: Vec<FileRecord>,
 }
 

@@ -14,13 +14,18 @@ use super::atomic::{self, PARTIAL};
 use super::contact_sheet;
 use super::error::DatasetError;
 use super::exr_file;
+use super::fits_file;
+use super::format::Format;
 use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
+use super::npz_file;
 use super::png_file;
 use super::poses;
 use super::preview::{self, Thumbnail, White};
 use super::record::{self, Facts, FileRecord, PreviewRecord, Record, SCHEMA_VERSION};
+use super::sequences;
 use super::tiff_file;
-use crate::render::{Image, Quantity};
+use crate::raster::{Band, GeoTiff};
+use crate::render::{Image, Plane, Quantity};
 
 /// Images that wait to be written; each may take some hundred megabytes.
 const QUEUE: usize = 2;
@@ -40,14 +45,27 @@ pub struct Exposure {
     pub index: usize,
     pub image: Image,
     pub facts: Facts,
+    /// The same planes on a map, where they are asked for and the image shows ground.
+    pub orthoimage: Option<Orthoimage>,
+}
+
+/// Planes on a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orthoimage {
+    /// WKT or a PROJ string.
+    pub crs: String,
+    /// GDAL's affine map, from the first pixel's corner.
+    pub geotransform: [f64; 6],
+    pub image: Image,
 }
 
 /// What is written besides OpenEXR, previews and records.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     pub tiff: bool,
     pub animation: bool,
     pub white: White,
+    pub formats: Vec<Format>,
 }
 
 /// What a finished sequence holds.
@@ -74,7 +92,8 @@ impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
         atomic::check_writable(directory)?;
-        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), tiff: settings.tiff };
+        let (tiff, formats) = (settings.tiff, settings.formats.clone());
+        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), tiff, formats };
         desk.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let background = desk.clone();
@@ -101,6 +120,10 @@ impl Writer {
         let plain: Vec<Record> = records.iter().map(|(_, record)| record.clone()).collect();
         let scale = preview::scale(&plain, self.settings.white);
         let mut files = vec![self.desk.write(POSES, poses::csv(&plain).as_bytes())?];
+        let facts: Vec<&Facts> = plain.iter().map(|record| &record.facts).collect();
+        for (name, text) in sequences::files(&self.settings.formats, &self.run.name, &facts) {
+            files.push(self.desk.write(&name, text.as_bytes())?);
+        }
         if let Some(scale) = &scale {
             let thumbnails: Vec<(usize, Dn)> = records
                 .par_iter_mut()
@@ -140,6 +163,8 @@ impl Writer {
             ManifestEntry {
                 index: *index,
                 epoch_utc: record.facts.epoch.utc.clone(),
+                point: record.facts.sweep.as_ref().map(|sweep| sweep.point),
+                split: record.facts.split.as_ref().map(|split| split.part.clone()),
                 files: record.files.iter().cloned().chain(preview).chain([json]).collect(),
             }
         };
@@ -182,6 +207,7 @@ struct Desk {
     directory: PathBuf,
     key: String,
     tiff: bool,
+    formats: Vec<Format>,
 }
 
 impl Desk {
@@ -204,7 +230,7 @@ impl Desk {
 
     /// The record last: it says that the exposure is finished.
     fn write_exposure(&self, exposure: Exposure) -> Result<(), DatasetError> {
-        let Exposure { index, image, facts } = exposure;
+        let Exposure { index, image, facts, orthoimage } = exposure;
         check(index, &image)?;
         let planes = record::planes(&image);
         let record_path = self.path(&self.name(index, "json"));
@@ -218,6 +244,9 @@ impl Desk {
             let name = self.name(index, "tif");
             files.push(self.write(&name, &tiff_file::encode(&self.path(&name), &image)?)?);
         }
+        for format in &self.formats {
+            files.extend(self.write_format(*format, index, &image, &facts, orthoimage.as_ref())?);
+        }
         let record = Record {
             schema_version: SCHEMA_VERSION.into(),
             run_key: self.key.clone(),
@@ -227,6 +256,40 @@ impl Desk {
             files,
         };
         self.write(&self.name(index, "json"), &pretty(&record)).map(|_| ())
+    }
+
+    /// An exposure's file in one more format; `None` for formats of whole sequences.
+    fn write_format(
+        &self,
+        format: Format,
+        index: usize,
+        image: &Image,
+        facts: &Facts,
+        orthoimage: Option<&Orthoimage>,
+    ) -> Result<Option<FileRecord>, DatasetError> {
+        match format {
+            Format::Fits => {
+                let bytes = fits_file::encode(image, facts, &self.key);
+                self.write(&self.name(index, "fits"), &bytes).map(Some)
+            }
+            Format::Npz => {
+                let name = self.name(index, "npz");
+                self.write(&name, &npz_file::encode(&self.path(&name), image, facts)?).map(Some)
+            }
+            Format::GeoTiff => orthoimage
+                .map(|orthoimage| self.write_orthoimage(&self.name(index, "ortho.tif"), orthoimage))
+                .transpose(),
+            Format::Kitti | Format::Tum | Format::Oem | Format::Aem => Ok(None),
+        }
+    }
+
+    /// GDAL writes files, not bytes: what it has written is read again for its hash.
+    fn write_orthoimage(&self, name: &str, orthoimage: &Orthoimage) -> Result<FileRecord, DatasetError> {
+        let Orthoimage { crs, geotransform, image } = orthoimage;
+        let bands = image.planes.iter().map(band).collect();
+        let geotransform = *geotransform;
+        GeoTiff { columns: image.columns, rows: image.rows, bands, crs, geotransform }.write(&self.path(name))?;
+        Ok(FileRecord::of(name, &atomic::read(&self.path(name))?))
     }
 
     /// The record of an exposure that this run has finished.
@@ -284,7 +347,7 @@ impl Desk {
             Some((index, _)) if index.bytes().all(|byte| byte.is_ascii_digit()) => {
                 self.belongs(&format!("exposure_{index}.json"))
             }
-            _ if SEQUENCE_FILES.contains(&whole) => self.belongs(MANIFEST),
+            _ if SEQUENCE_FILES.contains(&whole) || sequences::is_one(whole) => self.belongs(MANIFEST),
             _ => return false,
         };
         whole != name || !belongs
@@ -301,6 +364,10 @@ impl FileRecord {
     fn of(name: &str, bytes: &[u8]) -> Self {
         Self { name: name.into(), sha256: crate::digest::sha256_hex(bytes), bytes: bytes.len() }
     }
+}
+
+fn band(plane: &Plane) -> Band<'_> {
+    Band { name: plane.name, unit: plane.quantity.unit(), values: &plane.values }
 }
 
 fn read_record(path: &Path) -> Result<Record, DatasetError> {

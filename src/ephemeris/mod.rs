@@ -5,6 +5,7 @@
 //! An `Epoch` is an instant whatever its scale; kernels are asked in TDB, text is UTC unless it says otherwise.
 
 pub mod attitude;
+pub mod ccsds;
 pub mod trajectory;
 
 mod almanac;

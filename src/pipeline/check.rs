@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, scene, swath};
+use super::{Error, Progress, body_frame, ground, kernels, motion, points, scene, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::raster;
@@ -77,7 +77,7 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         Some(ground) => (ground.surface, ground.centre),
         None => bare(&frame.body, scenario),
     };
-    let outcomes = match motion::outcomes(scenario, almanac, frame, &surface, centre) {
+    let outcomes = match motion::outcomes(&points(scenario), almanac, frame, &surface, centre) {
         Ok(outcomes) => outcomes,
         Err(error) => return vec![error],
     };

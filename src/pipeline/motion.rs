@@ -15,25 +15,46 @@ use crate::terrain::Surface;
 /// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
 #[derive(Debug, Clone)]
 pub struct Exposure {
+    /// Of the scenario's sweep, counted from 0.
+    pub point: usize,
     pub epoch: Epoch,
+    /// Of the camera, against the turning body.
+    pub velocity_m_s: glam::DVec3,
     pub sun: Source,
     pub view: View,
 }
 
-/// All exposures of a scenario, before any of them is rendered.
+/// All exposures of a scenario at all points of its sweep, before any of them is rendered.
 pub fn exposures(
-    scenario: &Scenario,
+    points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
 ) -> Result<Vec<Exposure>, Error> {
-    outcomes(scenario, almanac, frame, surface, centre)?.into_iter().collect()
+    outcomes(points, almanac, frame, surface, centre)?.into_iter().collect()
 }
 
 /// As [`exposures`], each with what stands against it.
 pub fn outcomes(
+    points: &[Scenario],
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<Vec<Result<Exposure, Error>>, Error> {
+    let mut all = Vec::new();
+    for (point, scenario) in points.iter().enumerate() {
+        let first = all.len();
+        all.extend(of_point(scenario, [point, first], almanac, frame, surface, centre)?);
+    }
+    Ok(all)
+}
+
+/// The exposures at a point, the first of which is the dataset's `first`.
+fn of_point(
     scenario: &Scenario,
+    [point, first]: [usize; 2],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
@@ -43,6 +64,7 @@ pub fn outcomes(
     let pointing = pointing(scenario, frame, surface)?;
     let reference = frame.body.position_from_geodetic(centre);
     let exposure = |(index, &epoch): (usize, &Epoch)| {
+        let index = first + index;
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
         check_clearance(surface, index, epoch, position)?;
         let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
@@ -52,7 +74,7 @@ pub fn outcomes(
             lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
         }
         let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
-        Ok(Exposure { epoch, sun, view })
+        Ok(Exposure { point, epoch, velocity_m_s, sun, view })
     };
     Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
 }

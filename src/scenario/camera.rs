@@ -80,6 +80,11 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
         let twice = planes[..index].contains(plane);
         check.rule(!twice, &format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")), "is listed twice");
     }
+    let formats = &spec.outputs.formats;
+    for (index, format) in formats.iter().enumerate() {
+        let twice = formats[..index].contains(format);
+        check.rule(!twice, &format!("outputs.formats[{index}]"), format!("{format:?}"), "is listed twice");
+    }
     spec.outputs.clone()
 }
 
