@@ -20,3 +20,22 @@ pub enum Format {
     /// `sequence_0000.aem`: a CCSDS attitude ephemeris message.
     Aem,
 }
+
+impl Format {
+    /// Its files and what they hold, for the dataset's card.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Fits => "`exposure_NNNN.fits`: planes as image extensions, row 1 is the top of the image",
+            Self::Npz => "`exposure_NNNN.npz`: planes, `K`, pose and Sun as arrays for `numpy.load`",
+            Self::GeoTiff => {
+                "`exposure_NNNN.ortho.tif`: planes on a stereographic map, a GeoTIFF; where ground is seen"
+            }
+            Self::Kitti => {
+                "`sequence_NNNN.kitti.txt`, `.times.txt`, `.calib.txt`: poses relative to the first camera (KITTI)"
+            }
+            Self::Tum => "`sequence_NNNN.tum.txt`: time, place and quaternion, body from camera, scalar last (TUM)",
+            Self::Oem => "`sequence_NNNN.oem`: CCSDS orbit ephemeris message, body-fixed frame, TDB",
+            Self::Aem => "`sequence_NNNN.aem`: CCSDS attitude ephemeris message, camera from body, scalar last, TDB",
+        }
+    }
+}

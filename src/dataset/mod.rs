@@ -5,6 +5,7 @@
 //! exposure_0007.tif    the same as pages of a TIFF, on request; other formats on request: [`Format`]
 //! exposure_0007.png    preview, 16 bits, linear; white is the same for the whole sequence
 //! exposure_0007.json   record: epoch, poses, Sun, inputs, hashes of the files above
+//! dataset_card.md      what the dataset is, how it was made, inputs and licences, conventions, limits
 //! manifest.json        versions, inputs, settings, exposures with their hashes
 //! poses.csv            camera and Sun, one line an exposure
 //! contact_sheet.png    all previews, 8 bits, gamma 2.2, each with its index
@@ -18,6 +19,7 @@
 
 mod animation;
 pub mod atomic;
+mod card;
 mod contact_sheet;
 mod error;
 mod exr_file;

@@ -61,6 +61,8 @@ pub struct SplitRecord {
     pub part: String,
     /// Row (from the south pole) and column (eastwards from longitude 0) of the ground cell under the boresight.
     pub cell: [u64; 2],
+    /// Diameter of what the image shows, at the boresight's ground.
+    pub shown_m: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

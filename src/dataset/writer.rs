@@ -11,6 +11,7 @@ use serde_json::{Value as Json, json};
 
 use super::animation;
 use super::atomic::{self, PARTIAL};
+use super::card::Card;
 use super::contact_sheet;
 use super::error::DatasetError;
 use super::exr_file;
@@ -31,9 +32,10 @@ use crate::render::{Image, Plane, Quantity};
 const QUEUE: usize = 2;
 const MANIFEST: &str = "manifest.json";
 const POSES: &str = "poses.csv";
+const CARD: &str = "dataset_card.md";
 const SHEET: &str = "contact_sheet.png";
 const ANIMATION: &str = "preview.gif";
-const SEQUENCE_FILES: [&str; 4] = [MANIFEST, POSES, SHEET, ANIMATION];
+const SEQUENCE_FILES: [&str; 5] = [MANIFEST, POSES, CARD, SHEET, ANIMATION];
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
 /// More exposures than this are shown by an even choice.
@@ -131,6 +133,15 @@ impl Writer {
                 .collect::<Result<_, DatasetError>>()?;
             files.extend(self.overviews(&thumbnails, scale)?);
         }
+        let card = Card {
+            run: &self.run,
+            records: &plain,
+            planned: self.planned,
+            preview: scale.as_ref(),
+            formats: &self.settings.formats,
+            tiff: self.settings.tiff,
+        };
+        files.push(self.desk.write(CARD, card.text().as_bytes())?);
         self.manifest(&records, scale.clone(), files)?;
         Ok(Summary { directory: self.desk.directory.clone(), exposures: records.len(), preview: scale })
     }

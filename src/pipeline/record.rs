@@ -103,7 +103,7 @@ pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image:
                 .map(|(varied, value)| (varied.key().into(), *value))
                 .collect(),
         }),
-        split: scenario.split.as_ref().map(|split| split::part(split, &scene.surface, &exposure.view)),
+        split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
         camera: CameraRecord::opencv(

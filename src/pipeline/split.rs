@@ -15,23 +15,31 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::dataset::SplitRecord;
 use crate::digest::sha256_hex;
 use crate::geometry::{Body, Geodetic};
-use crate::render::View;
+use crate::render::{Scene, View};
 use crate::scenario::Split;
-use crate::terrain::Surface;
 
 /// The part of a view.
-pub fn part(split: &Split, surface: &Surface, view: &View) -> SplitRecord {
+pub fn part(split: &Split, scene: &Scene, view: &View) -> SplitRecord {
+    let surface = &scene.surface;
     let boresight = crate::geometry::Direction::new(view.camera_from_body.inverse().turn(DVec3::Z));
     let hit = boresight.and_then(|towards| surface.intersect(view.camera_position, towards));
     let place = hit.map_or(view.camera_position, |hit| hit.position);
     let body = &surface.terrain.body;
     let cell = cell(body, body.geodetic_from_position(place), split.cell_m);
-    SplitRecord { part: part_of(split, cell).into(), cell }
+    let shown_m = hit.map_or(0.0, |hit| 2.0 * hit.distance_m * (0.5 * diagonal_rad(scene)).tan());
+    SplitRecord { part: part_of(split, cell).into(), cell, shown_m }
+}
+
+/// Between the outer corners of the image.
+fn diagonal_rad(scene: &Scene) -> f64 {
+    let (columns, rows) = (f64::from(scene.optics.columns), f64::from(scene.optics.rows));
+    let corner = |x: f64, y: f64| scene.optics.direction(DVec2::new(x, y) - 0.5);
+    corner(0.0, 0.0).zip(corner(columns, rows)).map_or(0.0, |(a, b)| a.angle_to(b))
 }
 
 fn cell(body: &Body, place: Geodetic, cell_m: f64) -> [u64; 2] {

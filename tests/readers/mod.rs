@@ -5,6 +5,7 @@
 //! `SIM_REQUIRE` with `python` in it turns that into a failure.
 
 mod formats;
+mod python;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

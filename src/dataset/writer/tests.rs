@@ -43,7 +43,7 @@ fn a_sequence_has_all_its_files_and_no_others() {
     assert_eq!(summary.exposures, 4);
     let names: Vec<String> = files(folder.path()).into_keys().collect();
     let mut expected: Vec<String> =
-        ["contact_sheet.png", "manifest.json", "poses.csv", "preview.gif"].map(String::from).into();
+        ["contact_sheet.png", "dataset_card.md", "manifest.json", "poses.csv", "preview.gif"].map(String::from).into();
     for index in 0..4 {
         expected.extend(["exr", "json", "png", "tif"].map(|extension| format!("exposure_{index:04}.{extension}")));
     }
@@ -127,7 +127,10 @@ fn files_of_other_programs_stay() {
     fs::write(folder.path().join("manifest.json.partial"), "half").unwrap();
     open(folder.path()).finish().unwrap();
     let names: Vec<String> = files(folder.path()).into_keys().collect();
-    assert_eq!(names, ["a.partial", "exposure_notes.txt", "manifest.json", "notes.txt", "poses.csv"]);
+    assert_eq!(
+        names,
+        ["a.partial", "dataset_card.md", "exposure_notes.txt", "manifest.json", "notes.txt", "poses.csv"]
+    );
 }
 
 #[test]
