@@ -114,6 +114,10 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
     let points = points(scenario);
+    for point in &points {
+        scene::reflectance(point)?;
+        scene::detector(point)?;
+    }
     let exposures = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {

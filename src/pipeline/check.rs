@@ -22,9 +22,10 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     let mut checked = Checked::default();
     let problems = &mut checked.problems;
     problems.extend(scene::optics(scenario).err());
-    problems.extend(scene::detector(scenario).err());
+    let points = points(scenario);
+    problems.extend(points.iter().filter_map(|point| scene::detector(point).err()).take(1));
     problems.extend(scene::disk(scenario).err());
-    problems.extend(scene::reflectance(scenario).err());
+    problems.extend(points.iter().filter_map(|point| scene::reflectance(point).err()).take(1));
     if let Albedo::Map(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());

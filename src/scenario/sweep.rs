@@ -18,7 +18,7 @@ use rand::{Rng, RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Photometry, Scenario, Towards, Trajectory};
+use super::resolved::{Albedo, Scenario, Towards, Trajectory};
 use super::spec::{self, Axis, Design};
 use crate::geometry::Geodetic;
 
@@ -82,7 +82,6 @@ impl Varied {
     /// What else the scenario must have.
     fn needs(self, scenario: &Scenario) -> Option<&'static str> {
         let waypoints = matches!(scenario.trajectory, Trajectory::Waypoints { .. });
-        let law = !matches!(scenario.photometry, Photometry::HapkeMoon | Photometry::Hapke { .. });
         let (holds, needs) = match self {
             Self::EpochS => (scenario.sun.fixed.is_none() || !waypoints, "needs a Sun that moves, not sun.fixed"),
             Self::SunAzimuthDeg | Self::SunElevationDeg => {
@@ -93,10 +92,10 @@ impl Varied {
                 let table = matches!(scenario.pointing.towards, Towards::Table(_));
                 (!table, "needs pointing towards Nadir, At or AlongVelocity")
             }
-            Self::Albedo => {
-                let constant = matches!(scenario.albedo, Albedo::Constant(_));
-                (constant && law, "needs surface.albedo: Constant and another law than Hapke's")
-            }
+            Self::Albedo => (
+                matches!(scenario.albedo, Albedo::Constant(_)),
+                "needs surface.albedo: Constant, in whose place it stands",
+            ),
             Self::NoiseSeed => (scenario.detector.is_some(), "needs detector, whose noise it seeds"),
         };
         (!holds).then_some(needs)
