@@ -13,6 +13,7 @@ mod check;
 mod error;
 pub mod globe;
 pub mod ground;
+mod images;
 pub mod motion;
 mod ortho;
 mod progress;
@@ -80,6 +81,19 @@ pub struct Report {
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
     pub device_seconds: Option<f64>,
+    pub stages: Stages,
+}
+
+/// How long the stages of the images took, in seconds: each on its own threads, beside the others.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Stages {
+    /// Rays, on the device or the host, and their way back to the host.
+    pub samples: f64,
+    /// Planes from them, maps and records.
+    pub planes: f64,
+    /// Compression and hashes.
+    pub encoding: f64,
+    pub writing: f64,
 }
 
 /// Where the time went.
@@ -155,6 +169,9 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
         inputs.push(("trajectory", path.as_path()));
+    }
+    if let scenario::Towards::Aem { path } = &scenario.pointing.towards {
+        inputs.push(("attitude", path.as_path()));
     }
     inputs
 }
@@ -270,22 +287,8 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
 
     let start = Instant::now();
-    let mut device = Duration::ZERO;
-    let orthoimages = scenario.outputs.formats.contains(&dataset::Format::GeoTiff);
     progress.begin("rendering", todo.len(), "exposures");
-    for (done, &index) in todo.iter().enumerate() {
-        let exposure = &prepared.exposures[index];
-        scene::move_to(&mut scene, &prepared.points[exposure.point])?;
-        let image = renderer.render(&scene, &exposure.view)?;
-        device += renderer.device_time().unwrap_or_default();
-        let facts = record::facts(&prepared, &scene, &run, index, &image);
-        let orthoimage = orthoimages
-            .then(|| ortho::orthoimage(&scene, prepared.ground.centre, &exposure.view, &image))
-            .transpose()?
-            .flatten();
-        writer.submit(dataset::Exposure { index, image, facts, orthoimage })?;
-        progress.at(done + 1, todo.len());
-    }
+    let spent = images::render(&prepared, &mut scene, &run, renderer, &mut writer, &todo, progress)?;
     seconds.rendering = lap(start);
     let start = Instant::now();
     progress.begin("writing previews", 1, "sequence");
@@ -297,7 +300,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         exposures: summary.exposures,
         rendered: todo.len(),
         seconds,
-        device_seconds: (device > Duration::ZERO).then_some(device.as_secs_f64()),
+        device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
+        stages: Stages {
+            samples: spent.samples.as_secs_f64(),
+            planes: spent.planes.as_secs_f64(),
+            encoding: summary.spent.encoding.as_secs_f64(),
+            writing: summary.spent.writing.as_secs_f64(),
+        },
     })
 }
 

@@ -25,7 +25,7 @@ pub struct Run {
 /// A file that the run reads. Its folder is left out: the same file elsewhere makes the same bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Input {
-    /// `dem`, `horizon`, `kernel`, `albedo`, `trajectory`.
+    /// `dem`, `horizon`, `kernel`, `albedo`, `trajectory`, `attitude`.
     pub role: String,
     pub name: String,
     /// Of the file; of a horizon tile its key, the hash of all that shapes it.

@@ -3,6 +3,7 @@
 use hifitime::{Epoch, Unit};
 
 use super::Error;
+use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
@@ -67,7 +68,10 @@ fn of_point(
         let index = first + index;
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
         check_clearance(surface, index, epoch, position)?;
-        let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
+        let camera_from_body = match &pointing {
+            Attitude::Law(law) => law.camera_from_body(&frame.body, epoch, position, velocity_m_s)?,
+            Attitude::Message(message) => message.camera_from_body(almanac, frame, epoch)?,
+        };
         let sun = sun(scenario, almanac, frame, centre, epoch)?;
         let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
         if let Some(albedo) = scenario.earthshine_albedo {
@@ -202,9 +206,15 @@ fn trajectory(
     })
 }
 
-fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
+/// Where the camera looks.
+enum Attitude {
+    Law(Pointing),
+    Message(Aem),
+}
+
+fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Attitude, Error> {
     let roll_rad = scenario.pointing.roll_rad;
-    Ok(match &scenario.pointing.towards {
+    Ok(Attitude::Law(match &scenario.pointing.towards {
         Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
         Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
         Towards::At { point, height_above } => {
@@ -223,5 +233,6 @@ fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result
                 _ => Pointing::Table(AttitudeTable::new(start, &rows)?),
             }
         }
-    })
+        Towards::Aem { path } => return Ok(Attitude::Message(Aem::read(path)?)),
+    }))
 }

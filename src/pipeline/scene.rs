@@ -16,13 +16,6 @@ const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
 /// Pitch of the detector's pixels where the scenario gives a field of view only.
 const DEFAULT_PIXEL_PITCH_M: f64 = 5e-6;
 
-/// Gives a scene what its scenario has at another point of a sweep: renderers keep all else from view to view.
-pub fn move_to(scene: &mut render::Scene, point: &Scenario) -> Result<(), Error> {
-    scene.reflectance = reflectance(point)?;
-    scene.detector = detector(point)?;
-    Ok(())
-}
-
 pub fn optics(scenario: &Scenario) -> Result<Optics, Error> {
     let camera = &scenario.camera;
     let [column, row] = camera.principal_point_px;

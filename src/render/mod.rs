@@ -24,7 +24,7 @@ use crate::horizon::Encoding;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
-/// and its detector may change between views.
+/// may change between views.
 pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;

@@ -187,6 +187,9 @@ pub enum Towards {
     AlongVelocity,
     /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
     Table(Vec<(Epoch, DQuat)>),
+    Aem {
+        path: PathBuf,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

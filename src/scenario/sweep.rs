@@ -89,7 +89,7 @@ impl Varied {
             }
             Self::NorthM | Self::EastM | Self::HeightFactor => (waypoints, "needs trajectory: Waypoints"),
             Self::RollDeg => {
-                let table = matches!(scenario.pointing.towards, Towards::Table(_));
+                let table = matches!(scenario.pointing.towards, Towards::Table(_) | Towards::Aem { .. });
                 (!table, "needs pointing towards Nadir, At or AlongVelocity")
             }
             Self::Albedo => (

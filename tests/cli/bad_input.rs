@@ -96,13 +96,13 @@ const STRUCTURE: &[Case] = &[
         "text for an enum",
         "towards: Nadir",
         "towards: \"Nadir\"",
-        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table",
+        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem",
     ),
     Case(
         "misspelt variant",
         "towards: Nadir",
         "towards: Nadier",
-        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table; did you mean \
+        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem; did you mean \
          Nadir?",
     ),
     Case(

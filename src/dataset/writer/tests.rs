@@ -1,6 +1,8 @@
+use super::desk::read_record;
 use super::*;
-use crate::render::Plane;
+use crate::render::{Plane, Quantity};
 use std::collections::BTreeMap;
+use std::fs;
 use tempfile::TempDir;
 
 fn run() -> Run {
