@@ -14,6 +14,7 @@ mod error;
 pub mod globe;
 pub mod ground;
 mod images;
+mod landmarks;
 pub mod motion;
 mod ortho;
 mod progress;
@@ -37,6 +38,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
+use crate::labels::{Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
@@ -116,6 +118,8 @@ pub struct Prepared {
     pub sweep: Option<scenario::Sweep>,
     pub exposures: Vec<Exposure>,
     pub shadows: auto::Choice,
+    /// With their rims; empty where the scenario asks for no landmarks.
+    pub craters: Vec<(Crater, Rim)>,
 }
 
 /// Kernels, terrain and poses of a scenario.
@@ -127,6 +131,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
+    let craters = landmarks::craters(scenario, &mut ground, cache)?;
     let points = points(scenario);
     for point in &points {
         scene::reflectance(point)?;
@@ -137,7 +142,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, shadows })
+    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, shadows, craters })
 }
 
 /// The scenario at each point of its sweep.
@@ -280,6 +285,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let settings = dataset::Settings {
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
+        overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
         formats: scenario.outputs.formats.clone(),
     };

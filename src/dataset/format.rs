@@ -11,6 +11,10 @@ pub enum Format {
     Npz,
     /// `exposure_0007.ortho.tif`: planes on a map, as a GeoTIFF with its reference system.
     GeoTiff,
+    /// `annotations.coco.json`: craters with bounding box, mask, ellipse, conic and flags; needs `landmarks`.
+    Coco,
+    /// `craters.csv`: ellipses in the columns of NASA's crater detection challenge; needs `landmarks`.
+    CraterChallenge,
     /// `sequence_0000.kitti.txt`, `.times.txt`, `.calib.txt`: poses relative to the first camera, as in KITTI's odometry.
     Kitti,
     /// `sequence_0000.tum.txt`: poses from camera to body, as in TUM's benchmark.
@@ -30,6 +34,8 @@ impl Format {
             Self::GeoTiff => {
                 "`exposure_NNNN.ortho.tif`: planes on a stereographic map, a GeoTIFF; where ground is seen"
             }
+            Self::Coco => "`annotations.coco.json`: craters with box, mask, ellipse, conic and flags (COCO)",
+            Self::CraterChallenge => "`craters.csv`: ellipses in the columns of NASA's crater detection challenge",
             Self::Kitti => {
                 "`sequence_NNNN.kitti.txt`, `.times.txt`, `.calib.txt`: poses relative to the first camera (KITTI)"
             }

@@ -35,7 +35,7 @@ pub fn files(formats: &[Format], run: &str, frames: &[&Facts]) -> Vec<(String, S
                 Format::Tum => vec![("tum.txt", tum(frames))],
                 Format::Oem => vec![("oem", oem(frames, run))],
                 Format::Aem => vec![("aem", aem(frames, run))],
-                Format::Fits | Format::Npz | Format::GeoTiff => Vec::new(),
+                _ => Vec::new(),
             };
             files.extend(texts.into_iter().map(|(kind, text)| (format!("{PREFIX}{point:04}.{kind}"), text)));
         }

@@ -23,7 +23,8 @@ use super::png_file;
 use super::poses;
 use super::preview::{self, White};
 use super::record::{Facts, FileRecord, Record, SCHEMA_VERSION};
-use super::sequences;
+use super::{coco, sequences};
+use crate::labels::Landmark;
 use crate::render::Image;
 use desk::{Desk, Dn, Kept};
 
@@ -36,7 +37,9 @@ const POSES: &str = "poses.csv";
 const CARD: &str = "dataset_card.md";
 const SHEET: &str = "contact_sheet.png";
 const ANIMATION: &str = "preview.gif";
-const SEQUENCE_FILES: [&str; 5] = [MANIFEST, POSES, CARD, SHEET, ANIMATION];
+const LANDMARKS: &str = "landmarks.json";
+const OVERLAY: &str = "landmarks.png";
+const SEQUENCE_FILES: [&str; 7] = [MANIFEST, POSES, CARD, SHEET, ANIMATION, coco::FILE, coco::CSV_FILE];
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
 /// More exposures than this are shown by an even choice.
@@ -48,6 +51,8 @@ pub struct Exposure {
     pub index: usize,
     pub image: Image,
     pub facts: Facts,
+    /// `None`: none are asked for.
+    pub landmarks: Option<Vec<Landmark>>,
     /// The same planes on a map, where they are asked for and the image shows ground.
     pub orthoimage: Option<Orthoimage>,
 }
@@ -67,6 +72,8 @@ pub struct Orthoimage {
 pub struct Settings {
     pub tiff: bool,
     pub animation: bool,
+    /// Previews with the landmarks drawn over them.
+    pub overlay: bool,
     pub white: White,
     pub formats: Vec<Format>,
 }
@@ -108,8 +115,8 @@ impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
         atomic::check_writable(directory)?;
-        let (tiff, formats) = (settings.tiff, settings.formats.clone());
-        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), tiff, formats, kept: Kept::default() };
+        let (directory, settings_of_desk) = (directory.to_path_buf(), settings.clone());
+        let desk = Desk { directory, key: run.key(), settings: settings_of_desk, kept: Kept::default() };
         desk.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let receiver = Arc::new(Mutex::new(receiver));
@@ -146,6 +153,7 @@ impl Writer {
         for (name, text) in sequences::files(&self.settings.formats, &self.run.name, &facts) {
             files.push(self.desk.write(&name, text.as_bytes())?);
         }
+        files.extend(self.annotations(&records)?);
         if let Some(scale) = &scale {
             let thumbnails: Vec<(usize, Dn)> = records
                 .par_iter_mut()
@@ -169,6 +177,28 @@ impl Writer {
             preview: scale,
             spent: self.spent,
         })
+    }
+
+    /// The landmarks of all exposures in the formats asked for.
+    fn annotations(&self, records: &[(usize, Record)]) -> Result<Vec<FileRecord>, DatasetError> {
+        let formats = &self.settings.formats;
+        if ![Format::Coco, Format::CraterChallenge].iter().any(|format| formats.contains(format)) {
+            return Ok(Vec::new());
+        }
+        let mut images = Vec::new();
+        for (index, _) in records {
+            if let Some(file) = self.desk.landmarks(*index)? {
+                images.push((*index, self.desk.name(*index, "png"), file));
+            }
+        }
+        let mut files = Vec::new();
+        if formats.contains(&Format::Coco) {
+            files.push(self.desk.write(coco::FILE, &pretty(&coco::annotations(&self.run.title, &images)))?);
+        }
+        if formats.contains(&Format::CraterChallenge) {
+            files.push(self.desk.write(coco::CSV_FILE, coco::challenge_csv(&images).as_bytes())?);
+        }
+        Ok(files)
     }
 
     fn overviews(&self, previews: &[(usize, Dn)], scale: &PreviewScale) -> Result<Vec<FileRecord>, DatasetError> {

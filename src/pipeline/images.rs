@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use super::{Error, Prepared, Progress, ortho, record, scene};
 use crate::dataset::{self, Format, Writer};
+use crate::labels;
 use crate::render::{Renderer, Samples, Scene, planes};
 
 /// Exposures whose samples wait for their planes.
@@ -108,5 +109,9 @@ fn exposure(
     let facts = record::facts(prepared, scene, run, index, &image);
     let wanted = point.outputs.formats.contains(&Format::GeoTiff);
     let orthoimage = wanted.then(|| ortho::orthoimage(scene, prepared.ground.centre, &exposure.view, &image));
-    Ok(dataset::Exposure { index, image, facts, orthoimage: orthoimage.transpose()?.flatten() })
+    let landmarks = point
+        .landmarks
+        .as_ref()
+        .map(|wanted| labels::landmarks(scene, &exposure.view, &prepared.craters, wanted.smallest_px));
+    Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage: orthoimage.transpose()?.flatten() })
 }

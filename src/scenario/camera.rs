@@ -1,8 +1,9 @@
 //! Resolves camera, detector and outputs.
 
 use super::resolve::Check;
-use super::resolved::{Camera, Detector, Outputs};
+use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::dataset::Format;
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
 const BAND_NM: [f64; 2] = [100.0, 20_000.0];
@@ -83,9 +84,31 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
     let formats = &spec.outputs.formats;
     for (index, format) in formats.iter().enumerate() {
         let twice = formats[..index].contains(format);
-        check.rule(!twice, &format!("outputs.formats[{index}]"), format!("{format:?}"), "is listed twice");
+        let key = format!("outputs.formats[{index}]");
+        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
+        check.needs(!of_craters || spec.landmarks.is_some(), &key, "needs landmarks, which it lists");
     }
     spec.outputs.clone()
+}
+
+/// Lists that exist, of a terrain that has some.
+pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
+    let written = spec.landmarks.as_ref()?;
+    let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let list = |(index, list): (usize, &spec::CraterList)| match list {
+        spec::CraterList::Terrain => {
+            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
+            CraterList::Terrain
+        }
+        spec::CraterList::File { path } => {
+            CraterList::File(check.file(&format!("landmarks.lists[{index}].path"), path))
+        }
+    };
+    let lists = written.lists.iter().enumerate().map(list).collect();
+    Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
 }
 
 fn snake_case(name: &str) -> String {

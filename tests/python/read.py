@@ -102,5 +102,31 @@ def oem(folder):
     }
 
 
+def coco(folder):
+    """Masks, boxes and ellipses of all craters by pycocotools, which knows nothing of ellipses."""
+    import contextlib
+    import io
+
+    import numpy
+    from pycocotools import mask
+    from pycocotools.coco import COCO
+
+    with contextlib.redirect_stdout(io.StringIO()):
+        file = COCO(str(folder / "annotations.coco.json"))
+    craters = []
+    for annotation in file.loadAnns(file.getAnnIds()):
+        inside = file.annToMask(annotation)
+        rows, columns = numpy.nonzero(inside)
+        craters.append({
+            "image": file.loadImgs(annotation["image_id"])[0]["file_name"],
+            "area": int(mask.area(file.annToRLE(annotation))),
+            "stated_area": annotation["area"],
+            "centroid": [float(columns.mean()), float(rows.mean())],
+            "pixels": [int(columns.min()), int(rows.min()), int(columns.max()), int(rows.max())],
+            **{key: annotation[key] for key in ("bbox", "ellipse", "truncated")},
+        })
+    return craters
+
+
 if __name__ == "__main__":
     print(json.dumps(globals()[sys.argv[1]](Path(sys.argv[2]))))

@@ -17,8 +17,9 @@ const COLUMN: usize = 41;
 fn dataset() -> PathBuf {
     static RUN: OnceLock<Run> = OnceLock::new();
     let run = RUN.get_or_init(|| {
-        let formats = "planes: [radiance, depth, latitude], formats: [Fits, Npz, GeoTiff, Kitti, Tum, Oem, Aem]";
-        let run = Run::of(&SMALL.replace("planes: [radiance, sun_fraction, depth, dem_gap]", formats));
+        let formats = "planes: [radiance, depth, latitude], formats: [Fits, Npz, Coco, CraterChallenge, GeoTiff, Kitti, Tum, Oem, Aem]";
+        let scenario = SMALL.replace("planes: [radiance, sun_fraction, depth, dem_gap]", formats);
+        let run = Run::of(&scenario.replace("outputs:", "landmarks: (), outputs:"));
         run.succeed(&[]);
         run
     });
@@ -155,4 +156,36 @@ fn messages_that_were_written_lead_the_camera_the_same_way() {
     let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart(&led.r_body_fixed_m, &own.r_body_fixed_m) < 2e-3, "{led:?} {own:?}");
     assert!(apart(&led.q_wxyz, &own.q_wxyz) < 1e-9, "{led:?} {own:?}");
+}
+
+/// The pixels that pycocotools finds in a mask are those of the ellipse beside it: its area is πab within the pixels on its rim,
+/// its centroid the ellipse's centre within a pixel, and it fills its box to a pixel.
+#[test]
+fn pycocotools_reads_masks_that_are_their_ellipses() {
+    let Some(told) = read("pycocotools.coco, numpy", "coco") else { return };
+    let craters = told.as_array().unwrap();
+    assert!(craters.len() > 20, "{} craters", craters.len());
+    for crater in craters {
+        let [ellipse, bbox, pixels, centroid] =
+            ["ellipse", "bbox", "pixels", "centroid"].map(|key| numbers(&crater[key]));
+        assert_eq!(crater["area"], crater["stated_area"]);
+        // Box and pixels: a pixel's area reaches from its number to the next, and only those count whose centre is inside.
+        let ends = [bbox[0], bbox[1], bbox[0] + bbox[2], bbox[1] + bbox[3]];
+        let gaps = [pixels[0] - ends[0], pixels[1] - ends[1], ends[2] - 1.0 - pixels[2], ends[3] - 1.0 - pixels[3]];
+        assert!(gaps.iter().all(|gap| (-0.5..2.0).contains(gap)), "{crater}");
+        if crater["truncated"] == false {
+            let (area, rim) = (std::f64::consts::PI * ellipse[2] * ellipse[3], 4.0 * (ellipse[2] + ellipse[3]));
+            assert!((crater["area"].as_f64().unwrap() - area).abs() < 0.5 * rim, "{crater}");
+            assert!((0..2).all(|axis| (centroid[axis] - ellipse[axis]).abs() < 1.0), "{crater}");
+        }
+    }
+    let csv = std::fs::read_to_string(dataset().join("craters.csv")).unwrap();
+    let header = "ellipseCenterX(px),ellipseCenterY(px),ellipseSemimajor(px),ellipseSemiminor(px),ellipseRotation(deg),\
+                  inputImage,crater_classification";
+    assert_eq!(csv.lines().next(), Some(header));
+    let image = |line: &str| line.split(',').nth(5).map(String::from);
+    assert!(
+        csv.lines().skip(1).all(|line| line.split(',').count() == 7 && image(line).unwrap().starts_with("exposure_"))
+    );
+    assert!(csv.lines().count() > craters.len());
 }

@@ -8,10 +8,14 @@ use std::time::Instant;
 
 use serde_json::{Value as Json, json};
 
-use super::{ANIMATION_PIXELS, Exposure, MANIFEST, Orthoimage, SEQUENCE_FILES, SHEET_PIXELS, Spent, pretty};
+use super::{
+    ANIMATION_PIXELS, Exposure, LANDMARKS, MANIFEST, OVERLAY, Orthoimage, SEQUENCE_FILES, SHEET_PIXELS, Settings,
+    Spent, pretty,
+};
 use crate::dataset::atomic::{self, PARTIAL};
 use crate::dataset::error::DatasetError;
 use crate::dataset::format::Format;
+use crate::dataset::landmarks::{self, LandmarkFile};
 use crate::dataset::manifest::PreviewScale;
 use crate::dataset::preview::{self, Thumbnail};
 use crate::dataset::record::{self, FileRecord, PlaneRecord, PreviewRecord, Record, SCHEMA_VERSION};
@@ -33,8 +37,7 @@ pub struct Dn {
 pub struct Desk {
     pub directory: PathBuf,
     pub key: String,
-    pub tiff: bool,
-    pub formats: Vec<Format>,
+    pub settings: Settings,
     pub kept: Kept,
 }
 
@@ -110,28 +113,54 @@ impl Desk {
 
     /// The files of an exposure with their bytes; GDAL's apart.
     fn encoded(&self, exposure: &Exposure, planes: &[PlaneRecord]) -> Result<Vec<(String, Vec<u8>)>, DatasetError> {
-        let Exposure { index, image, facts, .. } = exposure;
+        let Exposure { index, image, facts, landmarks, .. } = exposure;
         let units: Vec<_> =
             planes.iter().map(|plane| json!({ "channel": plane.channel, "unit": plane.unit })).collect();
         let header = json!({ "schema_version": SCHEMA_VERSION, "run_key": self.key, "planes": units, "facts": facts });
         let name = |extension: &str| self.name(*index, extension);
         let exr = name("exr");
         let mut files = vec![(exr.clone(), exr_file::encode(&self.path(&exr), image, &header)?)];
-        if self.tiff {
+        if self.settings.tiff {
             let tiff = name("tif");
             files.push((tiff.clone(), tiff_file::encode(&self.path(&tiff), image)?));
         }
-        for format in &self.formats {
+        for format in &self.settings.formats {
             match format {
                 Format::Fits => files.push((name("fits"), fits_file::encode(image, facts, &self.key))),
                 Format::Npz => {
                     let npz = name("npz");
                     files.push((npz.clone(), npz_file::encode(&self.path(&npz), image, facts)?));
                 }
-                Format::GeoTiff | Format::Kitti | Format::Tum | Format::Oem | Format::Aem => {}
+                Format::GeoTiff
+                | Format::Kitti
+                | Format::Tum
+                | Format::Oem
+                | Format::Aem
+                | Format::Coco
+                | Format::CraterChallenge => {}
             }
         }
+        if let Some(landmarks) = landmarks {
+            let file = LandmarkFile {
+                schema_version: SCHEMA_VERSION.into(),
+                frame_id: facts.frame_id.clone(),
+                columns: image.columns,
+                rows: image.rows,
+                conventions: landmarks::CONVENTIONS.into(),
+                landmarks: landmarks.clone(),
+            };
+            files.push((name(LANDMARKS), pretty(&file)));
+        }
         Ok(files)
+    }
+
+    /// The landmarks of an exposure; none where none were asked for.
+    pub fn landmarks(&self, index: usize) -> Result<Option<LandmarkFile>, DatasetError> {
+        let path = self.path(&self.name(index, LANDMARKS));
+        if !path.is_file() {
+            return Ok(None);
+        }
+        serde_json::from_slice(&atomic::read(&path)?).map(Some).map_err(|source| DatasetError::Json { path, source })
     }
 
     /// GDAL writes files, not bytes: what it has written is read again for its hash.
@@ -161,6 +190,7 @@ impl Desk {
         let name = self.name(index, "png");
         let bytes = png_file::encode_16(&self.path(&name), size, &dn, &preview::comment(scale))?;
         let written = self.write(&name, &bytes)?;
+        self.overlay(index, record, &dn, size)?;
         record.preview = Some(PreviewRecord {
             file: written,
             channel: scale.channel.clone(),
@@ -171,6 +201,19 @@ impl Desk {
         self.write(&self.name(index, "json"), &pretty(record))?;
         let reduced = |largest| Thumbnail::of(&dn, size[0], largest);
         Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
+    }
+
+    /// Writes the preview with the landmarks of an exposure, where both are asked for.
+    fn overlay(&self, index: usize, record: &mut Record, dn: &[u16], size: [usize; 2]) -> Result<(), DatasetError> {
+        let wanted = if self.settings.overlay { self.landmarks(index)? } else { None };
+        let Some(file) = wanted else { return Ok(()) };
+        let rgb = landmarks::overlay(dn, size[0], &file.landmarks);
+        let name = self.name(index, OVERLAY);
+        let comment = "landmarks: lit green, in shadow amber, occluded red";
+        let written = self.write(&name, &png_file::encode_rgb_8(&self.path(&name), size, &rgb, comment)?)?;
+        record.files.retain(|file| file.name != name);
+        record.files.push(written);
+        Ok(())
     }
 
     fn read_shown(&self, index: usize, scale: &PreviewScale) -> Result<Shown, DatasetError> {

@@ -9,7 +9,8 @@ fn run() -> Run {
     Run { title: "a test".into(), name: "test".into(), ..Run::default() }
 }
 
-const SETTINGS: Settings = Settings { tiff: true, animation: true, white: White::Auto, formats: Vec::new() };
+const SETTINGS: Settings =
+    Settings { tiff: true, animation: true, overlay: true, white: White::Auto, formats: Vec::new() };
 
 fn open(folder: &Path) -> Writer {
     Writer::open(folder, run(), 4, SETTINGS).unwrap()
@@ -22,7 +23,8 @@ fn exposure(index: usize) -> Exposure {
         Plane { quantity: Quantity::Depth, name: "DEPTH", values: values(1e3) },
     ];
     let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
-    Exposure { index, image: Image { columns: 8, rows: 6, planes }, facts, orthoimage: None }
+    let image = Image { columns: 8, rows: 6, planes };
+    Exposure { index, image, facts, landmarks: None, orthoimage: None }
 }
 
 fn write(folder: &Path, indices: impl IntoIterator<Item = usize>) -> Summary {
