@@ -172,12 +172,14 @@ fn nearest(values: &[f32], [columns, rows]: [usize; 2], at: DVec2) -> f32 {
 fn bilinear(values: &[f32], [columns, rows]: [usize; 2], at: DVec2) -> f32 {
     let cell = |along: f64, count: usize| {
         let along = along.clamp(0.0, (count - 1) as f64);
-        let low = (along as usize).min(count.saturating_sub(2));
+        let low = along as usize;
         (low, (low + 1).min(count - 1), (along - low as f64) as f32)
     };
     let ((left, right, x), (top, bottom, y)) = (cell(at.x, columns), cell(at.y, rows));
-    let row = |row: usize| values[row * columns + left] * (1.0 - x) + values[row * columns + right] * x;
-    row(top) * (1.0 - y) + row(bottom) * y
+    // On a centre the other one has no share, whether it has a value or not.
+    let mix = |a: f32, b: f32, share: f32| if share == 0.0 { a } else { a * (1.0 - share) + b * share };
+    let row = |row: usize| mix(values[row * columns + left], values[row * columns + right], x);
+    mix(row(top), row(bottom), y)
 }
 
 #[cfg(test)]

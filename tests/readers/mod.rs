@@ -24,8 +24,7 @@ fn python(modules: &str) -> Option<PathBuf> {
         Ok(_) => format!("{} lacks one of {modules}; see tests/python/requirements.txt", python.display()),
         Err(error) => format!("{}: {error}", python.display()),
     };
-    let required = std::env::var("SIM_REQUIRE").is_ok_and(|wanted| wanted.split(',').any(|name| name == "python"));
-    assert!(!required, "{reason}");
+    assert!(!crate::required("python"), "{reason}");
     println!("skipped: {reason}");
     None
 }
