@@ -1,8 +1,7 @@
 //! Craters of all images as one COCO file, and as the table of NASA's crater detection challenge.
 //!
-//! Boxes and masks are COCO's: counted from the outer corner of the image's first pixel, clipped to the image, the mask run
-//! lengths down the columns. A mask holds the pixels whose centres lie in the ellipse, seen or hidden; an ellipse that holds none
-//! inside the image has no annotation. `ellipse` is `[cx, cy, a, b, theta]` in pixels and radians, from right towards down, and
+//! A mask holds the image's pixels whose centres lie in the ellipse, seen or hidden, as run lengths down the columns; the box is
+//! the mask's, counted from the outer corner of the first pixel, as COCO does. An ellipse that holds no pixel has no annotation. `ellipse` is `[cx, cy, a, b, theta]` in pixels and radians, from right towards down, and
 //! `conic` a matrix, both for the centre of the first pixel at (0, 0), as in the landmarks' files; so is the table.
 //!
 //! The challenge asks for the crispness of a rim, 0 (A) to 4 (C): fifths of the degradation `κt/R²` from 0 to 0.6, where all but
@@ -45,61 +44,69 @@ pub fn annotations(title: &str, images: &[Labelled]) -> Json {
 }
 
 fn annotation(id: usize, image: usize, file: &LandmarkFile, landmark: &Landmark) -> Option<Json> {
-    let size = [file.columns, file.rows];
-    let (counts, area) = mask(landmark, size);
-    let [low, high] = landmark
-        .ellipse
-        .bounds_px()
-        .map(|corner| (corner + 0.5).clamp(DVec2::ZERO, DVec2::new(file.columns as f64, file.rows as f64)));
+    let Mask { counts, area, low, high } = Mask::of(landmark, [file.columns, file.rows])?;
     let ellipse = landmark.ellipse;
     let ([cx, cy], [a, b]) = (ellipse.centre_px, ellipse.semi_axes_px);
-    (area > 0).then(|| {
-        json!({
-            "id": id,
-            "image_id": image,
-            "category_id": 1,
-            "bbox": [low.x, low.y, high.x - low.x, high.y - low.y],
-            "area": area,
-            "iscrowd": 0,
-            "segmentation": { "size": [file.rows, file.columns], "counts": counts },
-            "ellipse": [cx, cy, a, b, ellipse.angle_rad],
-            "conic": landmark.conic,
-            "crater": landmark.id,
-            "diameter_px": landmark.diameter_px,
-            "diameter_m": landmark.diameters_m[0],
-            "incidence_deg": landmark.incidence_deg,
-            "occluded": landmark.occluded,
-            "in_shadow": landmark.in_shadow,
-            "truncated": landmark.truncated,
-        })
-    })
+    Some(json!({
+        "id": id,
+        "image_id": image,
+        "category_id": 1,
+        "bbox": [low[0], low[1], high[0] + 1 - low[0], high[1] + 1 - low[1]],
+        "area": area,
+        "iscrowd": 0,
+        "segmentation": { "size": [file.rows, file.columns], "counts": counts },
+        "ellipse": [cx, cy, a, b, ellipse.angle_rad],
+        "conic": landmark.conic,
+        "crater": landmark.id,
+        "diameter_px": landmark.diameter_px,
+        "diameter_m": landmark.diameters_m[0],
+        "incidence_deg": landmark.incidence_deg,
+        "occluded": landmark.occluded,
+        "in_shadow": landmark.in_shadow,
+        "truncated": landmark.truncated,
+    }))
 }
 
-/// Runs of pixels outside and inside in turn, down the columns, and how many are inside.
-fn mask(landmark: &Landmark, [columns, rows]: [usize; 2]) -> (Vec<usize>, usize) {
-    let [low, high] = landmark.ellipse.bounds_px();
-    let range = |low: f64, high: f64, count: usize| {
-        let end = |at: f64| at.clamp(0.0, count as f64) as usize;
-        end(low.ceil())..end((high + 1.0).floor())
-    };
-    let (mut counts, mut area, mut done) = (Vec::new(), 0, 0);
-    for column in range(low.x, high.x, columns) {
-        let inside = |row: &usize| landmark.conic.value(DVec2::new(column as f64, *row as f64)) <= 0.0;
-        // An ellipse is convex: a column of it is one run.
-        let mut run = range(low.y, high.y, rows).filter(inside);
-        let Some(first) = run.next() else { continue };
-        let length = 1 + run.count();
-        let start = column * rows + first;
-        match counts.last_mut() {
-            // Reaches the bottom of a column and goes on at the top of the next.
-            Some(last) if start == done => *last += length,
-            _ => counts.extend([start - done, length]),
+/// The pixels whose centres an ellipse holds.
+struct Mask {
+    /// Runs outside and inside in turn, down the columns.
+    counts: Vec<usize>,
+    area: usize,
+    /// First and last column and row.
+    low: [usize; 2],
+    high: [usize; 2],
+}
+
+impl Mask {
+    /// `None` where there is no such pixel in the image.
+    fn of(landmark: &Landmark, [columns, rows]: [usize; 2]) -> Option<Self> {
+        let bounds = landmark.ellipse.bounds_px();
+        let range = |axis: usize, count: usize| {
+            let end = |at: f64| at.clamp(0.0, count as f64) as usize;
+            end(bounds[0][axis].ceil())..end(bounds[1][axis].floor() + 1.0)
+        };
+        let mut mask = Self { counts: Vec::new(), area: 0, low: [columns, rows], high: [0, 0] };
+        let mut done = 0;
+        for column in range(0, columns) {
+            let inside = |row: &usize| landmark.conic.value(DVec2::new(column as f64, *row as f64)) <= 0.0;
+            // An ellipse is convex: a column of it is one run.
+            let mut run = range(1, rows).filter(inside);
+            let Some(first) = run.next() else { continue };
+            let length = 1 + run.count();
+            let start = column * rows + first;
+            match mask.counts.last_mut() {
+                // From the bottom of a column on to the top of the next.
+                Some(last) if start == done => *last += length,
+                _ => mask.counts.extend([start - done, length]),
+            }
+            mask.area += length;
+            mask.low = [mask.low[0].min(column), mask.low[1].min(first)];
+            mask.high = [column, mask.high[1].max(first + length - 1)];
+            done = start + length;
         }
-        area += length;
-        done = start + length;
+        mask.counts.push(columns * rows - done);
+        (mask.area > 0).then_some(mask)
     }
-    counts.push(columns * rows - done);
-    (counts, area)
 }
 
 /// A line a landmark, in the challenge's columns.

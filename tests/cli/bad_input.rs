@@ -43,7 +43,7 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
         "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
-         frame, horizon, kernels, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
+         frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
          trajectory",
     ),
     Case(
@@ -235,7 +235,7 @@ const MEANING: &[Case] = &[
         "a format twice",
         "planes: [radiance, depth]",
         "formats: [Fits, Npz, Fits]",
-        "12:34: outputs.formats[2] = Fits is listed twice",
+        "12:36: outputs.formats[2] = Fits is listed twice",
     ),
     Case(
         "a sweep of nothing",

@@ -121,8 +121,8 @@ def coco(folder):
             "image": file.loadImgs(annotation["image_id"])[0]["file_name"],
             "area": int(mask.area(file.annToRLE(annotation))),
             "stated_area": annotation["area"],
+            "box": mask.toBbox(file.annToRLE(annotation)).tolist(),
             "centroid": [float(columns.mean()), float(rows.mean())],
-            "pixels": [int(columns.min()), int(rows.min()), int(columns.max()), int(rows.max())],
             **{key: annotation[key] for key in ("bbox", "ellipse", "truncated")},
         })
     return craters
