@@ -75,7 +75,7 @@ fn a_dataset_tells_which_of_its_files_are_missing_or_changed() {
     std::fs::remove_file(folder.path().join("exposure_0001.png")).unwrap();
     let found = inspect(folder.path());
     assert_eq!(found["missing_or_changed"], serde_json::json!(["exposure_0001.png", "poses.csv"]));
-    assert_eq!((found["exposures"].as_u64(), found["files"].as_u64()), (Some(2), Some(11)));
+    assert_eq!((found["exposures"].as_u64(), found["files"].as_u64()), (Some(2), Some(12)));
 }
 
 #[test]

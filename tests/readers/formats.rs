@@ -170,8 +170,7 @@ fn pycocotools_reads_masks_that_are_their_ellipses() {
     let craters = told.as_array().unwrap();
     assert!(craters.len() > 10, "{} craters", craters.len());
     for crater in craters {
-        let [ellipse, bbox, pixels, centroid] =
-            ["ellipse", "bbox", "pixels", "centroid"].map(|key| numbers(&crater[key]));
+        let [ellipse, centroid] = ["ellipse", "centroid"].map(|key| numbers(&crater[key]));
         assert_eq!(crater["area"], crater["stated_area"]);
         assert_eq!(numbers(&crater["box"]), numbers(&crater["bbox"]));
         if crater["truncated"] == false {
