@@ -10,16 +10,17 @@
 
 pub mod auto;
 mod check;
+mod craters;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 mod images;
-mod landmarks;
 pub mod motion;
 mod ortho;
 mod progress;
 mod record;
 pub mod scene;
+mod sequence;
 mod split;
 pub mod swath;
 
@@ -131,13 +132,14 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let craters = landmarks::craters(scenario, &mut ground, cache)?;
+    let craters = craters::of_lists(scenario, &mut ground, cache)?;
     let points = points(scenario);
     for point in &points {
         scene::reflectance(point)?;
         scene::detector(point)?;
     }
     let exposures = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
+    sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);

@@ -13,9 +13,11 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
-use super::{Error, Prepared, Progress, ortho, record, scene};
+use super::sequence::Before;
+use super::{Error, Prepared, Progress, ortho, record, scene, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
+use crate::render::planes::Radiometry;
 use crate::render::{Renderer, Samples, Scene, planes};
 
 /// Exposures whose samples wait for their planes.
@@ -31,6 +33,14 @@ pub struct Spent {
     pub device: Duration,
 }
 
+/// What the renderer hands on.
+struct Sampled {
+    index: usize,
+    samples: Samples,
+    /// What the exposure before sampled, where a label needs it.
+    before: Option<Vec<Radiometry>>,
+}
+
 /// Renders the exposures `todo` and hands them to `writer`.
 pub fn render(
     prepared: &Prepared,
@@ -43,40 +53,39 @@ pub fn render(
 ) -> Result<Spent, Error> {
     // A sweep changes the reflectance for the renderer while the other thread makes planes, which do not depend on it.
     let scene = RwLock::new(scene);
+    let read = || scene.read().unwrap_or_else(PoisonError::into_inner);
     std::thread::scope(|scope| {
-        let (sender, receiver) = sync_channel::<(usize, Samples)>(QUEUE);
+        let (sender, receiver) = sync_channel::<Sampled>(QUEUE);
         let finisher = scope.spawn(|| {
             let mut spent = Duration::ZERO;
-            for (index, samples) in receiver {
+            for sampled in receiver {
                 let start = Instant::now();
-                let exposure = {
-                    let scene = scene.read().unwrap_or_else(PoisonError::into_inner);
-                    exposure(prepared, &scene, run, index, &samples)?
-                };
-                drop(samples);
+                let exposure = exposure(prepared, &read(), run, sampled)?;
                 spent += start.elapsed();
                 writer.submit(exposure)?;
             }
             Ok::<_, Error>(spent)
         });
         let mut spent = Spent::default();
-        let mut samples = |index: usize| {
+        let mut before = Before::default();
+        let mut sampled = |index: usize| {
             let exposure = &prepared.exposures[index];
             let reflectance = scene::reflectance(&prepared.points[exposure.point])?;
-            let changes = scene.read().unwrap_or_else(PoisonError::into_inner).reflectance != reflectance;
-            if changes {
+            if read().reflectance != reflectance {
                 scene.write().unwrap_or_else(PoisonError::into_inner).reflectance = reflectance;
             }
-            let start = Instant::now();
-            let samples = renderer.samples(&scene.read().unwrap_or_else(PoisonError::into_inner), &exposure.view)?;
+            let (scene, start) = (read(), Instant::now());
+            let earlier = before.pixels(&scene, renderer, &prepared.exposures, index)?;
+            let samples = renderer.samples(&scene, &exposure.view)?;
+            before.keep(&scene, index, &samples);
             spent.samples += start.elapsed();
             spent.device += renderer.device_time().unwrap_or_default();
-            Ok::<_, Error>(samples)
+            Ok::<_, Error>(Sampled { index, samples, before: earlier })
         };
         let mut rendered = Ok(());
         for (count, &index) in todo.iter().enumerate() {
-            let sent = match samples(index) {
-                Ok(samples) => sender.send((index, samples)),
+            let sent = match sampled(index) {
+                Ok(sampled) => sender.send(sampled),
                 Err(error) => {
                     rendered = Err(error);
                     break;
@@ -99,19 +108,18 @@ fn exposure(
     prepared: &Prepared,
     scene: &Scene,
     run: &dataset::Run,
-    index: usize,
-    samples: &Samples,
+    sampled: Sampled,
 ) -> Result<dataset::Exposure, Error> {
-    let exposure = &prepared.exposures[index];
-    let point = &prepared.points[exposure.point];
-    let detector = scene::detector(point)?;
-    let image = planes::image_with(scene, detector.as_ref(), &exposure.view, samples);
+    let Sampled { index, samples, before } = sampled;
+    let Prepared { exposures, points, craters, ground, .. } = prepared;
+    let view = &exposures[index].view;
+    let point = &points[exposures[index].point];
+    let mut image = planes::image_with(scene, scene::detector(point)?.as_ref(), view, &samples);
+    image.planes.extend(sequence::planes(point, scene, exposures, index, &samples, before.as_deref()));
     let facts = record::facts(prepared, scene, run, index, &image);
-    let wanted = point.outputs.formats.contains(&Format::GeoTiff);
-    let orthoimage = wanted.then(|| ortho::orthoimage(scene, prepared.ground.centre, &exposure.view, &image));
-    let landmarks = point
-        .landmarks
-        .as_ref()
-        .map(|wanted| labels::landmarks(scene, &exposure.view, &prepared.craters, wanted.smallest_px));
-    Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage: orthoimage.transpose()?.flatten() })
+    let on_map = point.outputs.formats.contains(&Format::GeoTiff);
+    let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
+    let wanted = point.landmarks.as_ref();
+    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, craters, wanted.smallest_px));
+    Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage })
 }

@@ -163,6 +163,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         split: spec.split.inspect(|split| sweep::check_split(split, check)),
         outputs: camera::outputs(spec, check),
         landmarks: camera::landmarks(spec, check),
+        hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
     };
     scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));

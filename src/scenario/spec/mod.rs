@@ -8,7 +8,7 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use output::{CraterList, Detector, Landmarks, Outputs, Preview};
+pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
@@ -84,6 +84,9 @@ pub struct Spec {
     /// Craters as ellipses and conics. Default: none.
     #[serde(default)]
     pub landmarks: Option<Landmarks>,
+    /// A lander, for the planes hazard_….
+    #[serde(default)]
+    pub hazards: Hazards,
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,
