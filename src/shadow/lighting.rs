@@ -107,7 +107,7 @@ impl<'a> LightingFactors<'a> {
     pub fn new(surface: &'a Surface, lighting: &'a Lighting, disk: &SolarDisk, lights: &[HeldLight]) -> Self {
         let find = |light: &HeldLight, at: [usize; 2]| Ok::<_, Infallible>(lighting.nodes(disk, surface, at, light));
         let found = || {
-            let Ok(fields) = Skylines::default().found(surface, &find, lights);
+            let Ok(fields) = Skylines::default().found(surface, find, lights);
             fields
         };
         let fields = (lighting.at == At::Nodes).then(found);

@@ -129,27 +129,32 @@ impl HeldLight {
     }
 }
 
+/// By face and level.
+type ByFace = Vec<Vec<Arc<Field>>>;
+
 /// Skylines of a terrain towards all lights of a view, `[light][face][level]`.
 #[derive(Debug, Clone, Default)]
 pub struct Skylines {
     pub lights: Vec<HeldLight>,
-    fields: Vec<Vec<Vec<Arc<Field>>>>,
+    fields: Vec<ByFace>,
 }
 
 impl Skylines {
     /// Finds the skylines towards `lights`, those that `self` holds already kept.
     pub fn towards(&self, surface: &Surface, method: &dyn Towards, lights: &[HeldLight]) -> Result<Self, OutsideSwath> {
-        self.found(surface, &|light, [face, level]| method.field(surface, face, level, light), lights)
+        self.found(
+            surface,
+            |light: &HeldLight, [face, level]: [usize; 2]| method.field(surface, face, level, light),
+            lights,
+        )
     }
 
     /// The same by a function of a light, a face and a level of it.
-    pub(super) fn found<E>(
-        &self,
-        surface: &Surface,
-        field: &dyn Fn(&HeldLight, [usize; 2]) -> Result<Field, E>,
-        lights: &[HeldLight],
-    ) -> Result<Self, E> {
-        let find = |light: &HeldLight| {
+    pub(super) fn found<E, F>(&self, surface: &Surface, field: F, lights: &[HeldLight]) -> Result<Self, E>
+    where
+        F: Fn(&HeldLight, [usize; 2]) -> Result<Field, E>,
+    {
+        let find = |light: &HeldLight| -> Result<ByFace, E> {
             if let Some(known) = self.lights.iter().position(|held| held == light) {
                 return Ok(self.fields[known].clone());
             }

@@ -42,10 +42,13 @@ const HALF_WIDTH: f64 = 0.5;
 /// The image whose errors are measured.
 const SMALL: [u32; 2] = [160, 90];
 
+/// Shadows of horizon maps by face and level.
+type Make = Box<dyn Fn(&[Vec<HorizonMap>]) -> Shadows>;
+
 /// A method, and what the papers print: milliseconds.
 struct Method {
     name: String,
-    shadows: Box<dyn Fn(&[Vec<HorizonMap>]) -> Shadows>,
+    shadows: Make,
     printed_ms: [f64; 2],
 }
 
