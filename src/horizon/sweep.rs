@@ -200,7 +200,7 @@ impl<'a> Sweep<'a> {
         let from = (-first).clamp(0, BLOCK as isize) as usize;
         let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
         let Some(u) = r.row(row.u).filter(|_| from < to) else {
-            far.advance(registers, ahead, block, None);
+            far.advance(registers, ahead, block);
             return;
         };
         let observers_m = r.lanes_m(u, first);
@@ -213,14 +213,15 @@ impl<'a> Sweep<'a> {
             prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
             prefetch(&fine.heights_m, next_at.wrapping_add_signed(lane));
         }
+        let seats = Seats { row, from, to, observers_m: &observers_m };
+        let asked = far.ask(registers, ahead, block, &seats);
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
         let [mut slopes, perhaps] = site.slopes(stencil);
         for slope in &mut slopes {
             *slope *= scale;
         }
-        let seats = Seats { row, from, to, observers_m: &observers_m };
-        far.advance(registers, ahead, block, Some((seats, &mut slopes)));
+        far.answer(block, &seats, &asked, &mut slopes);
         let mut missed = [0.0; LANES];
         for k in 0..LANES {
             missed[k] = perhaps[k] * scale - slopes[k];
