@@ -60,8 +60,6 @@ use wide::{Registers, prefetch, widest};
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
-/// Blocks of lines worked on side by side: the rows of four arrays lie on as many pages, which the processor has to find.
-const GROUP: usize = 4;
 /// Near slopes that may be this much too low are searched again: 0.01°.
 const HUMP: f32 = 2e-4;
 
@@ -167,15 +165,11 @@ impl<'a> Sweep<'a> {
     #[inline(always)]
     fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, plane: &mut [f32]) {
         let fine = &self.grids[0];
-        let mut blocks: [Block; GROUP] = std::array::from_fn(|_| Block::default());
-        for start in far.starts().step_by(GROUP) {
-            for (i, block) in blocks.iter_mut().enumerate() {
-                far.begin(registers, start + (i * BLOCK) as isize, block);
-            }
+        let mut block = Block::default();
+        for start in far.starts() {
+            far.begin(registers, start, &mut block);
             for along in (0..fine.majors as isize).rev() {
-                for block in &mut blocks {
-                    self.serve(registers, far, stencil, along, block, plane);
-                }
+                self.serve(registers, far, stencil, along, &mut block, plane);
             }
         }
     }

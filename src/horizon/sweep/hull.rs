@@ -149,21 +149,25 @@ impl Hull {
             touched[i] = (length - WINDOW + count).wrapping_sub(1);
             fewest = fewest.min(count);
         }
-        if fewest == 0 { self.touched_deep(length, from) } else { touched }
+        if fewest == 0 { self.touched_deep(registers, length, from) } else { touched }
     }
 
-    /// [`Self::touched`] by halving, where more than a window of vertices lies above one.
+    /// [`Self::touched`] where more than a window of vertices lies above one: window by window.
     #[cold]
     #[inline(never)]
-    fn touched_deep<const N: usize>(&self, length: usize, from: [Point; N]) -> [usize; N] {
+    fn touched_deep<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
         from.map(|point| {
-            let (mut seen, mut hidden) = (WINDOW - 1, length);
-            while hidden - seen > 1 {
-                let middle = seen.midpoint(hidden);
-                let above = self.slopes[middle].mul_add(point.x, self.intercepts_m[middle]) >= point.height_m;
-                *(if above { &mut seen } else { &mut hidden }) = middle;
+            let mut end = length;
+            loop {
+                let start = end.saturating_sub(WINDOW);
+                let [intercepts_m, slopes] = [&self.intercepts_m, &self.slopes]
+                    .map(|array| array[start..start + WINDOW].first_chunk().expect("WINDOW"));
+                // Every point lies below the lines of the first window.
+                match lines_above(registers, intercepts_m, slopes, point.x, point.height_m) {
+                    0 => end = start,
+                    count => return start + count as usize - 1,
+                }
             }
-            seen
         })
     }
 }
