@@ -61,7 +61,7 @@ use wide::{Registers, prefetch, widest};
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
 /// Near slopes that may be this much too low are searched again: 0.01°.
-const HUMP: f32 = 2e-4;
+const HUMP: f32 = 4e-4;
 
 /// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
 #[derive(Debug)]

@@ -92,10 +92,15 @@ pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANE
         sizes[i] = tangents[i].abs();
     }
     if largest(&sizes) > 1.0 {
-        tangents.map(atan)
+        for tangent in &mut tangents {
+            *tangent = atan(*tangent);
+        }
     } else {
-        tangents.map(|tangent| atan_of_gentle(tangent.abs()).copysign(tangent))
+        for tangent in &mut tangents {
+            *tangent = atan_of_gentle(tangent.abs()).copysign(*tangent);
+        }
     }
+    tangents
 }
 
 #[inline(always)]

@@ -10,14 +10,14 @@
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
 
-use super::Receivers;
+use super::{NEAR, Receivers};
 use super::grid::{Grid, LANES};
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
 use super::near::{larger, largest};
 use super::profile::Profile;
 use super::ray::Ray;
-use super::wide::Registers;
+use super::wide::{Registers, larger_of};
 
 /// Lines worked on side by side.
 const LINES: usize = LANES;
@@ -26,7 +26,10 @@ pub const BLOCK: usize = LINES - 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 pub const RING: f64 = 32.0;
 /// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
-const AGREEMENT: f32 = 2e-4;
+const AGREEMENT: f32 = 4e-4;
+
+/// Seen at this slope or less from the nearest receiver, the surface between two rows is their chord: 0.003°.
+const UNSEEN: f32 = 5e-5;
 
 /// Points of a line this close to each other, in steps, are one.
 const LEAST: f64 = 1e-3;
@@ -310,14 +313,17 @@ impl<'a> Far<'a> {
         let far: &[f32; LINES] = fine.lanes(row.u + self.ray.sign, row.low + column);
         let (along, rest) = (along as f32, 1.0 - along as f32);
         let x = row.x + along * fine.posting_m as f32;
-        let mut above_m = [LOWEST_M; LINES];
+        let unseen_m = UNSEEN * NEAR as f32 * fine.posting_m as f32;
+        let (mut heights_between_m, mut least_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
-            let height_m = rest * near[k] + along * far[k];
-            let chord_m = rest * heights_m[k] + along * block.beyond_m[k];
-            above_m[k] = if height_m > chord_m { height_m } else { LOWEST_M };
+            heights_between_m[k] = rest * near[k] + along * far[k];
+            least_m[k] = rest * heights_m[k] + along * block.beyond_m[k] + unseen_m;
         }
-        for k in 0..LINES {
-            block.hulls[k].push(registers, Point { x, height_m: above_m[k] });
+        let mut standing = larger_of(registers, &heights_between_m, &least_m);
+        while standing != 0 {
+            let k = standing.trailing_zeros() as usize % LINES;
+            standing &= standing - 1;
+            block.hulls[k].push(registers, Point { x, height_m: heights_between_m[k] });
         }
     }
 

@@ -20,6 +20,9 @@ use super::wide::wide;
 /// Major steps within which the surface between two crossings is always searched exactly.
 const EXACT: f64 = 2.0;
 
+/// Major steps within which a cell may hide a hump that matters.
+const DOUBTFUL: f64 = 5.0;
+
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
@@ -48,6 +51,8 @@ pub struct Stencil {
     crossings: Vec<Crossing>,
     /// How many of them are exact.
     exact: usize,
+    /// How many after them may hide a hump.
+    doubtful: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -67,8 +72,10 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        let exact = steps.iter().filter(|step| **step <= EXACT).count();
-        Self { crossings, exact, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        let within = |reach: f64| steps.iter().filter(|step| **step <= reach).count();
+        let exact = within(EXACT);
+        let doubtful = within(DOUBTFUL) - exact;
+        Self { crossings, exact, doubtful, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -136,7 +143,8 @@ impl Site<'_> {
             self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
         }
         let mut perhaps = best;
-        for crossing in others {
+        let (doubtful, others) = others.split_at(stencil.doubtful);
+        for crossing in doubtful {
             // Copies: nothing written below may be taken for one of them.
             let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
             let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
@@ -147,6 +155,17 @@ impl Site<'_> {
                 let sampled = larger(here * crossing.inverse, middle);
                 best[i] = larger(best[i], sampled);
                 perhaps[i] = larger(perhaps[i], crossing.hump.mul_add(twist[i].abs(), sampled));
+                before[i] = here;
+            }
+        }
+        for crossing in others {
+            let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
+            let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
+            let twist = *lanes(self.twists_m, self.at, crossing.cell);
+            for i in 0..LANES {
+                let here = crossing.rise_m(a[i], b[i], observers_m[i]);
+                let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
+                best[i] = larger(best[i], larger(here * crossing.inverse, middle));
                 before[i] = here;
             }
         }
