@@ -149,26 +149,29 @@ impl Hull {
             touched[i] = (length - WINDOW + count).wrapping_sub(1);
             fewest = fewest.min(count);
         }
-        if fewest == 0 { self.touched_deep(registers, length, from) } else { touched }
+        if fewest == 0 {
+            for i in 0..N {
+                touched[i] = self.touched_deep(registers, length, from[i].x, from[i].height_m);
+            }
+        }
+        touched
     }
 
     /// [`Self::touched`] where more than a window of vertices lies above one: window by window.
     #[cold]
     #[inline(never)]
-    fn touched_deep<const N: usize>(&self, registers: Registers, length: usize, from: [Point; N]) -> [usize; N] {
-        from.map(|point| {
-            let mut end = length;
-            loop {
-                let start = end.saturating_sub(WINDOW);
-                let [intercepts_m, slopes] = [&self.intercepts_m, &self.slopes]
-                    .map(|array| array[start..start + WINDOW].first_chunk().expect("WINDOW"));
-                // Every point lies below the lines of the first window.
-                match lines_above(registers, intercepts_m, slopes, point.x, point.height_m) {
-                    0 => end = start,
-                    count => return start + count as usize - 1,
-                }
+    fn touched_deep(&self, registers: Registers, length: usize, x: f32, height_m: f32) -> usize {
+        let mut end = length;
+        loop {
+            let start = end.saturating_sub(WINDOW);
+            let [intercepts_m, slopes] = [&self.intercepts_m, &self.slopes]
+                .map(|array| array[start..start + WINDOW].first_chunk().expect("WINDOW"));
+            // Every point lies below the lines of the first window.
+            match lines_above(registers, intercepts_m, slopes, x, height_m) {
+                0 => end = start,
+                count => return start + count as usize - 1,
             }
-        })
+        }
     }
 }
 
