@@ -75,14 +75,12 @@ impl Shape<'_> {
 /// `Gnomonic::elevation_tangent` and `sphere::skyline_beyond`.
 #[inline(always)]
 pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
-    let mut tangents = [0.0; LANES];
-    let mut falls = [0.0; LANES];
+    let (mut tangents, mut lower) = ([0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
         tangents[i] = tangent(place, i, heights[i], slopes[i]);
-        falls[i] = -tangents[i];
+        lower[i] = below_the_dip(place, i, heights[i], tangents[i]);
     }
-    // The bare sphere never rises above the local horizontal.
-    if largest(&falls) > 0.0 {
+    if largest(&lower) > 0.0 {
         for i in 0..LANES {
             tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
         }
@@ -116,6 +114,17 @@ fn tangent(place: &Place, lane: usize, height: f32, slope: f32) -> f32 {
     let p = place.major * place.direction[0] + minor * place.direction[1];
     let depth = 1.0 - height;
     (slope * k + p * depth) / (depth * (k - p * p).sqrt())
+}
+
+/// Positive where the bare sphere may rise above a tangent: it never rises above the dip of the observer's height,
+/// `tan² = (K − M²)/M²` ([`crate::horizon::sphere`]), nor, seen from below it, above the local horizontal.
+#[inline(always)]
+fn below_the_dip(place: &Place, lane: usize, height: f32, tangent: f32) -> f32 {
+    let minor = minor_of(place, lane);
+    let above = place.major * place.major + minor * minor + height * (2.0 - height);
+    let drop = if tangent < 0.0 { tangent * (1.0 - height) } else { 0.0 };
+    // Short of the dip by its rounding.
+    drop.mul_add(drop, -0.9999 * larger(above, 0.0))
 }
 
 #[inline(always)]
