@@ -242,13 +242,14 @@ impl<'a> Sweep<'a> {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
-                for v in 0..r.minors {
-                    let i = u * r.stride + v;
-                    let y_m = (v + r.margin) as f64 * fine.posting_m;
-                    let slope = beyond.slope(registers, x_m, y_m, r.observers_m[i]);
-                    // NaN stays: it asks for a trace.
-                    if slope > slopes[i] || slope.is_nan() {
-                        slopes[i] = slope;
+                for start in (0..r.stride).step_by(LANES) {
+                    let i = u * r.stride + start;
+                    let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
+                    let y_m = (start + r.margin) as f64 * fine.posting_m;
+                    let found = beyond.slopes(registers, x_m, y_m, fine.posting_m, observers_m);
+                    for (slope, found) in slopes[i..i + LANES].iter_mut().zip(found) {
+                        // NaN stays: it asks for a trace.
+                        *slope = if found > *slope || found.is_nan() { found } else { *slope };
                     }
                 }
             }

@@ -125,16 +125,18 @@ impl Hull {
         (a, [self.points[a % CAPACITY], self.points[b % CAPACITY], self.points[c % CAPACITY]])
     }
 
-    /// Where the tangent from a receiver touches, which some of the nearest points may lie behind: those do not count.
+    /// The vertices that the tangents from receivers at `x` between two heights touch, some of the nearest points lying behind
+    /// them: those do not count.
     #[inline(always)]
-    pub fn tangent_beyond(&self, registers: Registers, receiver: Point) -> Point {
+    pub fn touched_between(&self, registers: Registers, x: f32, [low_m, high_m]: [f32; 2]) -> &[Point] {
         let points = &self.points[WINDOW..self.length];
         let ahead = match points.last() {
-            Some(nearest) if nearest.x <= receiver.x => points.partition_point(|point| point.x > receiver.x),
+            Some(nearest) if nearest.x <= x => points.partition_point(|point| point.x > x),
             _ => points.len(),
         };
-        let [touched] = self.touched(registers, WINDOW + ahead, [receiver]);
-        self.points[touched]
+        let from = [low_m, high_m].map(|height_m| Point { x, height_m });
+        let [nearest, farthest] = self.touched(registers, WINDOW + ahead, from);
+        &self.points[farthest..=nearest]
     }
 
     /// The vertices among the farthest `length` that tangents touch.
@@ -164,8 +166,8 @@ impl Hull {
         let mut end = length;
         loop {
             let start = end.saturating_sub(WINDOW);
-            let [intercepts_m, slopes] = [&self.intercepts_m, &self.slopes]
-                .map(|array| array[start..start + WINDOW].first_chunk().expect("WINDOW"));
+            let intercepts_m = self.intercepts_m[start..start + WINDOW].first_chunk().expect("WINDOW");
+            let slopes = self.slopes[start..start + WINDOW].first_chunk().expect("WINDOW");
             // Every point lies below the lines of the first window.
             match lines_above(registers, intercepts_m, slopes, x, height_m) {
                 0 => end = start,
@@ -216,9 +218,11 @@ mod tests {
         for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
             hull.push(Registers::Any, Point { x, height_m });
         }
-        let from = |x| Point { x, height_m: 0.0 };
-        assert_eq!(hull.tangent_beyond(Registers::Any, from(150.0)), Point { x: 200.0, height_m: 28.0 });
-        assert_eq!(hull.tangent_beyond(Registers::Any, from(50.0)), Point { x: 100.0, height_m: 20.0 });
-        assert_eq!(Hull::default().tangent_beyond(Registers::Any, from(0.0)), NOTHING);
+        let touched = |hull: &Hull, x, heights_m| hull.touched_between(Registers::Any, x, heights_m).to_vec();
+        assert_eq!(touched(&hull, 150.0, [0.0, 0.0]), [Point { x: 200.0, height_m: 28.0 }]);
+        assert_eq!(touched(&hull, 50.0, [0.0, 0.0]), [Point { x: 100.0, height_m: 20.0 }]);
+        let farther = [Point { x: 200.0, height_m: 28.0 }, Point { x: 100.0, height_m: 20.0 }];
+        assert_eq!(touched(&hull, 50.0, [0.0, 20.0]), farther);
+        assert_eq!(touched(&Hull::default(), 0.0, [0.0, 0.0]), [NOTHING]);
     }
 }
