@@ -64,9 +64,8 @@ impl Beyond {
         step_m: f64,
         observers_m: &[f32; LANES],
     ) -> [f32; LANES] {
-        let lines: [f64; LANES] = std::array::from_fn(|lane| {
-            (y_m + lane as f64 * step_m - self.minor * x_m - self.first_m) / self.spacing_m
-        });
+        let lines: [f64; LANES] =
+            std::array::from_fn(|lane| (y_m + lane as f64 * step_m - self.minor * x_m - self.first_m) / self.spacing_m);
         let mut slopes = [0.0; LANES];
         let last = (lines[LANES - 1] as usize + 1).min(self.hulls.len() - 1);
         for line in lines[0] as usize..=last {

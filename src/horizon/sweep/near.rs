@@ -10,7 +10,8 @@
 //!
 //! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
 //! That square root is taken in the first steps; beyond, the slope half way through the cell comes from `(H₁ + H₂)/2 − c₂(t₂ − t₁)²/4`,
-//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all.
+//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where one of the next cells is worth the
+//! root after all.
 //! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
@@ -20,7 +21,7 @@ use super::wide::wide;
 /// Major steps within which the surface between two crossings is always searched exactly.
 const EXACT: f64 = 2.0;
 
-/// Major steps within which a cell may hide a hump that matters.
+/// Major steps beyond which no cell hides a hump that matters.
 const DOUBTFUL: f64 = 5.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
