@@ -314,7 +314,7 @@ fn widened(level: &Level, coarser: &Level, nodes: usize) -> Level {
 }
 
 /// The middle of a level's heights: `f32` heights above it keep more digits.
-fn middle_m(level: &Level) -> f64 {
+pub(super) fn middle_m(level: &Level) -> f64 {
     let valid = level.heights_m.iter().zip(&level.gap).filter(|(_, gap)| !**gap).map(|(height_m, _)| *height_m);
     let (low, high) = valid.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
     if low > high { 0.0 } else { f64::from(0.5 * (low + high)) }
