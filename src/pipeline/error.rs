@@ -26,6 +26,8 @@ pub enum Error {
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
     #[error(transparent)]
+    Craters(#[from] crate::labels::catalogue::Error),
+    #[error(transparent)]
     Render(#[from] crate::render::RenderError),
     #[error(transparent)]
     Dataset(#[from] crate::dataset::DatasetError),
@@ -50,3 +52,16 @@ pub enum Error {
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }
+
+/// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.
+macro_rules! wraps_stages {
+    ($error:ty: $($stage:ty),* $(,)?) => {$(
+        impl From<$stage> for $error {
+            fn from(error: $stage) -> Self {
+                Self::Pipeline(error.into())
+            }
+        }
+    )*};
+}
+
+pub(crate) use wraps_stages;
