@@ -3,6 +3,7 @@
 use super::resolve::Check;
 use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::labels::Limits;
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
 const BAND_NM: [f64; 2] = [100.0, 20_000.0];
@@ -100,6 +101,11 @@ pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
     };
     let lists = written.lists.iter().enumerate().map(list).collect();
     Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
+}
+
+pub fn hazards(written: &spec::Hazards) -> Limits {
+    let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
+    Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
 }
 
 fn snake_case(name: &str) -> String {

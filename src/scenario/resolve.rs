@@ -161,6 +161,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         exposures,
         outputs: camera::outputs(spec, check),
         landmarks: camera::landmarks(spec, check),
+        hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
     }
 }
