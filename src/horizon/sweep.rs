@@ -6,7 +6,7 @@
 //! 1. [`near`]: every crossing of the first [`NEAR`] steps and the middle of every cell passed, many receivers at once,
 //!    and where a cell may hide a hump that matters, the hump;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where interpolation
-//!    between two lines may err by more than 0.02° the receiver's own line about both touching points, exactly ([`profile`]);
+//!    between two lines may err by more than 0.01° the receiver's own line about both touching points, exactly ([`profile`]);
 //! 3. [`beyond`]: tangents to the hulls of coarser levels;
 //! 4. [`angle`]: the steepest slope, or the bare sphere's, as an elevation above the local horizontal.
 //!
@@ -19,10 +19,9 @@
 //! random pixels, by
 //!
 //! ```text
-//! cratered highland, 512² at 20 m                                      p95 0.0050°  p99 0.014°  max 0.15°
-//! the same, 1024²                                                      p95 0.0038°  p99 0.012°  max 0.24°
-//! the same, 2048²                                                      p95 0.0029°  p99 0.010°  max 0.21°
-//! LOLA's Connecting Ridge at 10 m, south polar cap at 240 m around it  p95 0.0026°  p99 0.010°  max 0.15°
+//! cratered highland, 512² at 20 m                                      p95 0.0040°  p99 0.010°  max 0.15°
+//! the same, 1024²                                                      p95 0.0033°  p99 0.009°  max 0.24°
+//! LOLA's Connecting Ridge at 10 m, south polar cap at 240 m around it  p95 0.0023°  p99 0.009°  max 0.06°
 //! ```
 //!
 //! but for the two nodes next to the edge of a finer level, where a coarser one does not meet it. A tile measures its own.
@@ -61,8 +60,8 @@ use wide::{Registers, prefetch, widest};
 
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
-/// Near slopes that may be this much too low are searched again: 0.02°.
-const HUMP: f32 = 4e-4;
+/// Near slopes that may be this much too low are searched again: 0.01°.
+const HUMP: f32 = 2e-4;
 
 /// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 //! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes
 //! of the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences between
 //! the two lines of each are not alike, the slope bends from line to line, and where that makes more than
-//! 0.02° the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
+//! 0.01° the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
@@ -25,8 +25,8 @@ const LINES: usize = LANES;
 pub const BLOCK: usize = LINES - 1;
 /// Nodes of a coarser level that finer lines carry beyond the finer level's end.
 pub const RING: f64 = 32.0;
-/// Error of interpolating between two lines above which a receiver searches its own: 0.02°.
-const AGREEMENT: f32 = 4e-4;
+/// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
+const AGREEMENT: f32 = 2e-4;
 
 /// Seen at this slope or less from the nearest receiver, the surface between two rows is their chord: 0.003°.
 const UNSEEN: f32 = 5e-5;

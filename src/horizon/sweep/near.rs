@@ -10,8 +10,7 @@
 //!
 //! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
 //! That square root is taken in the first steps; beyond, the slope half way through the cell comes from `(H₁ + H₂)/2 − c₂(t₂ − t₁)²/4`,
-//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where one of the next cells is worth the
-//! root after all.
+//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all.
 //! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
@@ -20,9 +19,6 @@ use super::wide::wide;
 
 /// Major steps within which the surface between two crossings is always searched exactly.
 const EXACT: f64 = 2.0;
-
-/// Major steps beyond which no cell hides a hump that matters.
-const DOUBTFUL: f64 = 5.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
@@ -52,8 +48,6 @@ pub struct Stencil {
     crossings: Vec<Crossing>,
     /// How many of them are exact.
     exact: usize,
-    /// How many after them may hide a hump.
-    doubtful: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
     /// A raised observer does not stand on his facet.
@@ -73,10 +67,8 @@ impl Stencil {
         steps.retain(|step| *step <= limit);
         let from = std::iter::once(0.0).chain(steps.iter().copied());
         let crossings = from.zip(&steps).map(|(from, to)| Crossing::new(grid, ray, from, *to)).collect();
-        let within = |reach: f64| steps.iter().filter(|step| **step <= reach).count();
-        let exact = within(EXACT);
-        let doubtful = within(DOUBTFUL) - exact;
-        Self { crossings, exact, doubtful, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
+        let exact = steps.iter().filter(|step| **step <= EXACT).count();
+        Self { crossings, exact, bend: (ray.sign as f64 * ray.minor) as f32, on_ground }
     }
 }
 
@@ -144,8 +136,7 @@ impl Site<'_> {
             self.pass_exactly(stencil, order, crossing, &mut before, &mut best);
         }
         let mut perhaps = best;
-        let (doubtful, others) = others.split_at(stencil.doubtful);
-        for crossing in doubtful {
+        for crossing in others {
             // Copies: nothing written below may be taken for one of them.
             let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
             let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
@@ -156,17 +147,6 @@ impl Site<'_> {
                 let sampled = larger(here * crossing.inverse, middle);
                 best[i] = larger(best[i], sampled);
                 perhaps[i] = larger(perhaps[i], crossing.hump.mul_add(twist[i].abs(), sampled));
-                before[i] = here;
-            }
-        }
-        for crossing in others {
-            let a = *lanes(self.heights_m, self.at, crossing.nodes[0]);
-            let b = *lanes(self.heights_m, self.at, crossing.nodes[1]);
-            let twist = *lanes(self.twists_m, self.at, crossing.cell);
-            for i in 0..LANES {
-                let here = crossing.rise_m(a[i], b[i], observers_m[i]);
-                let middle = (before[i] + here).mul_add(crossing.middle[0], crossing.middle[1] * twist[i]);
-                best[i] = larger(best[i], larger(here * crossing.inverse, middle));
                 before[i] = here;
             }
         }
