@@ -1,12 +1,13 @@
 //! What is written down about a run and about each exposure.
 
 use super::ground::file_name;
-use super::{Prepared, scene};
+use super::{Prepared, scene, sequence};
 use crate::dataset::{
     self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
     RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
+use crate::labels;
 use crate::render::{Image, Quantity, Scene};
 use crate::scenario::{Albedo, Preview, Scenario};
 
@@ -41,6 +42,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     });
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
+        settings["invented"] = serde_json::json!(invented);
     }
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();

@@ -4,7 +4,7 @@ use super::{Error, Exposure};
 use crate::labels::{self, Limits, Sequence, moved};
 use crate::render::planes::Radiometry;
 use crate::render::{Plane, Quantity, Renderer, Samples, Scene, View};
-use crate::scenario::Scenario;
+use crate::scenario::{Dem, Scenario};
 
 /// Refuses the change of shadows for a camera that moves.
 pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
@@ -20,17 +20,24 @@ pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
     }
 }
 
+/// How many of the terrain's models, the finest, are made up below the posting of a measured one.
+pub fn invented_levels(scenario: &Scenario) -> usize {
+    let dems = scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    dems.iter().take_while(|dem| matches!(dem, Dem::Detail { .. })).count()
+}
+
 /// Makes the labels of exposures, one after the other.
 #[derive(Debug)]
 pub struct Labels<'a> {
     limits: &'a Limits,
+    invented_levels: usize,
     /// What the last exposure sampled, and which it was.
     last: Option<(usize, Vec<Radiometry>)>,
 }
 
 impl<'a> Labels<'a> {
     pub fn new(scenario: &'a Scenario) -> Self {
-        Self { limits: &scenario.hazards, last: None }
+        Self { limits: &scenario.hazards, invented_levels: invented_levels(scenario), last: None }
     }
 
     /// The planes of exposure `index`, which sampled `samples`.
@@ -53,7 +60,13 @@ impl<'a> Labels<'a> {
             _ => None,
         };
         let next = view(Some(index + 1));
-        let sequence = Sequence { previous, next, before: before.as_deref(), limits: self.limits };
+        let sequence = Sequence {
+            previous,
+            next,
+            before: before.as_deref(),
+            limits: self.limits,
+            invented_levels: self.invented_levels,
+        };
         let planes = labels::planes(scene, &exposures[index].view, &samples, &sequence);
         self.last = Some((index, samples.pixels));
         Ok(planes)

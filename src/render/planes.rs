@@ -44,7 +44,8 @@ impl Quantity {
             | SunIlluminationMask
             | Hit
             | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard => true,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
+            | InventedHeight => true,
             EllipsoidIncidence
             | EllipsoidEmission
             | Slope
@@ -75,6 +76,7 @@ impl Quantity {
                 | HazardRoughness
                 | HazardSunlit
                 | Hazard
+                | InventedHeight
         )
     }
 }
