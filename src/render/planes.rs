@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Image, Plane, Quantity, Scene, View, refine};
+use crate::camera::Detector;
 use crate::geometry::{BodyFixed, Direction, Position};
 use crate::terrain::{Ground, Hit};
 
@@ -83,11 +84,16 @@ impl Quantity {
 
 /// The planes of `scene.quantities`, but for labels.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
+    image_with(scene, scene.detector.as_ref(), view, samples)
+}
+
+/// As [`image`], with another detector than the scene's.
+pub fn image_with(scene: &Scene, detector: Option<&Detector>, view: &View, samples: &Samples) -> Image {
     let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
         let channels = match quantity {
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
-                vec![digital_numbers(scene, view, quantity, samples)]
+                vec![digital_numbers(scene, detector, view, quantity, samples)]
             }
             _ if quantity.is_geometric() => geometric_channels(scene, view, quantity, samples),
             _ => {
@@ -114,8 +120,14 @@ fn geometric_channels(scene: &Scene, view: &View, quantity: Quantity, samples: &
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where the scene has no detector.
-fn digital_numbers(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<f32> {
-    let Some(detector) = &scene.detector else { return Vec::new() };
+fn digital_numbers(
+    scene: &Scene,
+    detector: Option<&Detector>,
+    view: &View,
+    quantity: Quantity,
+    samples: &Samples,
+) -> Vec<f32> {
+    let Some(detector) = detector else { return Vec::new() };
     let light = by_pixel(scene, |index, pixel| {
         radiometric(scene, view, Quantity::FocalPlaneIrradiance, pixel, &samples.pixels[index])
     });

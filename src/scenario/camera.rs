@@ -3,6 +3,7 @@
 use super::resolve::Check;
 use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::dataset::Format;
 use crate::labels::Limits;
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
@@ -80,6 +81,14 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
     for (index, plane) in planes.iter().enumerate() {
         let twice = planes[..index].contains(plane);
         check.rule(!twice, &format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")), "is listed twice");
+    }
+    let formats = &spec.outputs.formats;
+    for (index, format) in formats.iter().enumerate() {
+        let twice = formats[..index].contains(format);
+        let key = format!("outputs.formats[{index}]");
+        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
+        check.needs(!of_craters || spec.landmarks.is_some(), &key, "needs landmarks, which it lists");
     }
     spec.outputs.clone()
 }

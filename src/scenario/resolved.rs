@@ -6,10 +6,11 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
+use super::sweep::Sweep;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 
-pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Sky, Values};
+pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Sky, Split, Values};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +46,9 @@ pub struct Scenario {
     pub detector: Option<Detector>,
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
+    /// `None`: the exposures are made once.
+    pub sweep: Option<Sweep>,
+    pub split: Option<Split>,
     pub outputs: Outputs,
     /// `None`: no landmarks are written.
     pub landmarks: Option<Landmarks>,
@@ -210,6 +214,9 @@ pub enum Towards {
     AlongVelocity,
     /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
     Table(Vec<(Epoch, DQuat)>),
+    Aem {
+        path: PathBuf,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -11,4 +11,5 @@ pub mod run;
 mod run_input;
 mod scenario;
 mod shadows;
+mod sweep;
 mod terrain;
