@@ -13,6 +13,7 @@ mod check;
 mod error;
 pub mod globe;
 pub mod ground;
+pub mod lights;
 pub mod motion;
 mod progress;
 mod record;
@@ -141,6 +142,9 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
         inputs.push(("trajectory", path.as_path()));
     }
+    let response = scenario.band.as_ref().and_then(|band| band.path.as_deref());
+    inputs.extend(response.map(|path| ("response", path)));
+    inputs.extend(scenario.sun.table.as_deref().map(|path| ("spectrum", path)));
     inputs
 }
 
@@ -211,6 +215,7 @@ pub fn scene(
         albedo,
         ambient,
         disk: scene::disk(scenario)?,
+        band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
         optics: scene::optics(scenario)?,
         detector: scene::detector(scenario)?,
         samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,

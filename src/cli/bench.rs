@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, frame, horizons, shadows, stability};
+use perilune::evaluate::{Report, frame, horizons, radiometry, shadows, stability};
 use perilune::scenario;
 
 use super::bars::Bars;
 use super::run::exposures;
 use super::{Outcome, about};
 
-/// Measure how fast and how right: horizons, images, shadows.
+/// Measure how fast and how right: horizons, images, shadows, light.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -81,6 +81,14 @@ enum Bench {
         #[command(flatten)]
         output: Output,
     },
+    /// Light against published values: irradiance, limb, reflectance, disc integrals, eclipses.
+    Radiometry {
+        /// A folder with kernels in kernels/, before `SIM_DATA`: contacts of eclipses need one. Repeatable.
+        #[arg(long)]
+        data: Vec<PathBuf>,
+        #[command(flatten)]
+        output: Output,
+    },
     /// Hard numerical cases with known answers, for every shadow method.
     Stability {
         /// Where horizon tiles are kept for the next run.
@@ -139,6 +147,10 @@ pub fn run(args: Args) -> Outcome {
                 Some(elevations_deg) => matrix::run(&scenario, &options, &elevations_deg, repeat, &bars)?,
             };
             (report, output)
+        }
+        Bench::Radiometry { mut data, output } => {
+            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
+            (radiometry::run(&data)?, output)
         }
         Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
     };

@@ -61,6 +61,7 @@ fn of_file(
         disk: main.disk.clone(),
         optics: geometry.camera.optics.clone(),
         detector: None,
+        band_width_nm: None,
         samples_per_side: 1,
         quantities: Vec::new(),
     };

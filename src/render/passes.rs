@@ -29,7 +29,7 @@ use super::planes::{Radiometry, Samples};
 use super::{RenderError, Renderer, Scene, Shadows, View, refine};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
+use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
@@ -120,7 +120,7 @@ impl Prepared {
             ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| PI * ambient.radiance_w_m2_sr)),
             scene.reflectance.constant(),
         ];
-        constants.extend(SolarDisk::constants());
+        constants.extend(scene.disk.constants());
         let skylines = match scene.shadows.towards() {
             Some(_) => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
             None => None,

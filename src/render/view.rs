@@ -23,6 +23,8 @@ pub struct Scene {
     pub ambient: Option<Ambient>,
     /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
     pub disk: SolarDisk,
+    /// `∫ T dλ` of the camera's response; `None`: all wavelengths count.
+    pub band_width_nm: Option<f64>,
     pub optics: Optics,
     /// Turns light into digital numbers, where any are asked for.
     pub detector: Option<Detector>,

@@ -35,7 +35,7 @@ const STRUCTURE: &[Case] = &[
         "columns: 64,",
         "colums: 64, columns: 64,",
         "10:14: camera.colums is not a key here; did you mean columns?; allowed: band_nm, columns, distortion, \
-         exposure_s, f_number, field_of_view_deg, focal_length_mm, pixel_pitch_um, principal_point, rows, \
+         exposure_s, f_number, field_of_view_deg, focal_length_mm, pixel_pitch_um, principal_point, response, rows, \
          samples_per_pixel, transmission",
     ),
     Case(
@@ -50,6 +50,30 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\"",
         "title: \"a test\", shadows: MaximumMipmaps(runs: [5, 16])",
         "2:56: shadows.runs[1] = 16 is outside [1, 15]",
+    ),
+    Case(
+        "a spectrum without a band",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490)",
+        "2:33: sun.spectrum needs camera.band_nm or camera.response; without a band all of sunlight counts",
+    ),
+    Case(
+        "a spectrum and an irradiance",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490, irradiance_w_m2: 500)",
+        "2:33: sun.spectrum contradicts irradiance_w_m2; give one of the two",
+    ),
+    Case(
+        "a band beyond the spectrum",
+        "columns: 64,",
+        "band_nm: (300, 700), columns: 64,",
+        "10:23: camera.band_nm reaches from 300 to 700 nm; TSIS-1 HSRS v2, 1 nm has 350 to 2500 nm",
+    ),
+    Case(
+        "limb darkening without a wavelength",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (disc: LimbDarkened())",
+        "2:29: sun.disc needs wavelength_nm, or a camera with a band",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(

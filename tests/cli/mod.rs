@@ -5,6 +5,7 @@ mod ephemeris;
 mod horizon;
 mod illuminate;
 mod inspect;
+mod light;
 mod methods;
 pub mod run;
 mod run_input;

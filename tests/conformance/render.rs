@@ -41,6 +41,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
         albedo: None,
         ambient: None,
         detector: None,
+        band_width_nm: None,
         disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),
         optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)).unwrap(),
         samples_per_side: 2,

@@ -73,6 +73,7 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
         disk: disk(0.0),
         optics,
         detector: None,
+        band_width_nm: None,
         samples_per_side: 1,
         quantities: vec![Quantity::Radiance, Quantity::Range],
     }

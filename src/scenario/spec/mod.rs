@@ -12,8 +12,8 @@ pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
 pub use world::{
-    Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
-    Sky, Sun, Surface, Terrain, Values,
+    Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw, Photometry,
+    Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
