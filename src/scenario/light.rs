@@ -63,13 +63,10 @@ fn response(camera: &spec::Camera, check: &mut Check) -> Option<(Curve, Option<P
 /// The spectrum, and the file that it comes from.
 fn spectrum(spec: &Spec, has_band: bool, check: &mut Check) -> (Option<SolarSpectrum>, Option<PathBuf>) {
     let written = &spec.sun.spectrum;
-    check.needs(
-        written.is_none() || spec.sun.irradiance_w_m2.is_none(),
-        "sun.spectrum",
-        "contradicts irradiance_w_m2; give one of the two",
-    );
+    let contradicts = spec.sun.irradiance_w_m2.is_some();
+    check.needs(written.is_none() || !contradicts, "sun.spectrum", "contradicts irradiance_w_m2; give one of the two");
     let bandless = "needs camera.band_nm or camera.response; without a band all of sunlight counts";
-    check.needs(written.is_none() || has_band, "sun.spectrum", bandless);
+    check.needs(written.is_none() || has_band || contradicts, "sun.spectrum", bandless);
     match written {
         None if has_band && spec.sun.irradiance_w_m2.is_none() => (Some(SolarSpectrum::tsis1_hsrs()), None),
         None => (None, None),

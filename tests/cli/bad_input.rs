@@ -55,13 +55,13 @@ const STRUCTURE: &[Case] = &[
         "a spectrum without a band",
         "title: \"a test\"",
         "title: \"a test\", sun: (spectrum: E490)",
-        "2:33: sun.spectrum needs camera.band_nm or camera.response; without a band all of sunlight counts",
+        "2:38: sun.spectrum needs camera.band_nm or camera.response; without a band all of sunlight counts",
     ),
     Case(
         "a spectrum and an irradiance",
         "title: \"a test\"",
         "title: \"a test\", sun: (spectrum: E490, irradiance_w_m2: 500)",
-        "2:33: sun.spectrum contradicts irradiance_w_m2; give one of the two",
+        "2:38: sun.spectrum contradicts irradiance_w_m2; give one of the two",
     ),
     Case(
         "a band beyond the spectrum",
@@ -73,7 +73,7 @@ const STRUCTURE: &[Case] = &[
         "limb darkening without a wavelength",
         "title: \"a test\"",
         "title: \"a test\", sun: (disc: LimbDarkened())",
-        "2:29: sun.disc needs wavelength_nm, or a camera with a band",
+        "2:34: sun.disc needs wavelength_nm, or a camera with a band",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(
