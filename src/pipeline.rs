@@ -13,6 +13,7 @@ mod check;
 mod error;
 pub mod globe;
 pub mod ground;
+mod landmarks;
 pub mod lights;
 pub mod motion;
 mod progress;
@@ -35,6 +36,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
+use crate::labels::{self, Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
@@ -98,6 +100,8 @@ pub struct Prepared {
     pub ground: ground::Ground,
     pub exposures: Vec<Exposure>,
     pub shadows: auto::Choice,
+    /// With their rims; empty where the scenario asks for no landmarks.
+    pub craters: Vec<(Crater, Rim)>,
 }
 
 /// Kernels, terrain and poses of a scenario.
@@ -109,12 +113,13 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
+    let craters = landmarks::craters(scenario, &mut ground, cache)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, shadows })
+    Ok(Prepared { almanac, frame, ground, exposures, shadows, craters })
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -253,6 +258,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let settings = dataset::Settings {
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
+        overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
@@ -266,7 +272,9 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         let image = renderer.render(&scene, &exposure.view)?;
         device += renderer.device_time().unwrap_or_default();
         let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
-        writer.submit(dataset::Exposure { index, image, facts })?;
+        let wanted = scenario.landmarks.as_ref();
+        let landmarks = wanted.map(|it| labels::landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
+        writer.submit(dataset::Exposure { index, image, facts, landmarks })?;
         progress.at(done + 1, todo.len());
     }
     seconds.rendering = lap(start);

@@ -1,7 +1,7 @@
 //! Resolves camera, detector and outputs.
 
 use super::resolve::Check;
-use super::resolved::{Camera, Detector, Outputs};
+use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
 
 /// 8192²: one float plane of it takes 256 MiB.
@@ -76,6 +76,25 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
         check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
     }
     spec.outputs.clone()
+}
+
+/// Lists that exist, of a terrain that has some.
+pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
+    let written = spec.landmarks.as_ref()?;
+    let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let list = |(index, list): (usize, &spec::CraterList)| match list {
+        spec::CraterList::Terrain => {
+            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
+            CraterList::Terrain
+        }
+        spec::CraterList::File { path } => {
+            CraterList::File(check.file(&format!("landmarks.lists[{index}].path"), path))
+        }
+    };
+    let lists = written.lists.iter().enumerate().map(list).collect();
+    Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
 }
 
 fn snake_case(name: &str) -> String {

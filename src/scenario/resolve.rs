@@ -162,6 +162,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         detector: camera::detector(spec, check),
         exposures,
         outputs: camera::outputs(spec, check),
+        landmarks: camera::landmarks(spec, check),
         seed: spec.seed,
     }
 }

@@ -49,6 +49,8 @@ pub struct Scenario {
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
     pub outputs: Outputs,
+    /// `None`: no landmarks are written.
+    pub landmarks: Option<Landmarks>,
     pub seed: u64,
 }
 
@@ -228,6 +230,20 @@ pub struct Camera {
     pub f_number: f64,
     pub transmission: f64,
     pub exposure_s: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landmarks {
+    pub lists: Vec<CraterList>,
+    pub smallest_px: f64,
+    pub overlay: bool,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum CraterList {
+    /// Of the made models of the terrain.
+    Terrain,
+    File(PathBuf),
 }
 
 impl From<&spec::Photometry> for Photometry {
