@@ -43,7 +43,7 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
         "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
-         frame, horizon, kernels, outputs, pointing, refine, seed, shadows, sun, surface, terrain, title, trajectory",
+         frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, sun, surface, terrain, title, trajectory",
     ),
     Case(
         "runs of too many mips",
@@ -138,7 +138,7 @@ const STRUCTURE: &[Case] = &[
         "unknown plane",
         "[radiance, depth]",
         "[radiance, dept]",
-        "12:34: outputs.planes[1] = dept is not one of radiance, ground_irradiance, radiance_factor, \
+        "12:34: outputs.planes[1] = dept is not one of radiance, spectral_radiance, ground_irradiance, spectral_ground_irradiance, radiance_factor, \
          focal_plane_irradiance, digital_number, noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, \
          normal, latitude, longitude, height, incidence, emission, phase, ground_sample_distance; did you mean depth?",
     ),
