@@ -10,7 +10,7 @@
 
 pub mod auto;
 mod check;
-mod error;
+pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 mod landmarks;
