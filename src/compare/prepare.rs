@@ -53,6 +53,8 @@ fn of_file(
     let albedo = request.albedo.as_deref().map(map).transpose()?;
     let scene = Scene {
         ambient: None,
+        albedo_role: Default::default(),
+        bounce: None,
         shadows: horizons(&ground.surface, &request.cache, progress)?,
         refine: None,
         surface: ground.surface,

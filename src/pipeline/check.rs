@@ -26,7 +26,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     problems.extend(scene::detector(scenario).err());
     problems.extend(scene::disk(scenario).err());
     problems.extend(scene::reflectance(scenario).err());
-    if let Albedo::Map(path) = &scenario.albedo {
+    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
     }

@@ -57,10 +57,10 @@ pub fn outcomes(
 }
 
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
-/// None under earthshine or ambient light: those come from elsewhere.
+/// None under earthshine, ambient or bounced light: those come from elsewhere.
 pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<Band> {
     let suns: Vec<_> = exposures.iter().map(|e| (e.sun.direction, e.sun.angular_radius_rad)).collect();
-    let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none();
+    let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none() && scenario.bounce.is_none();
     let wanted = scenario.horizon.band && sun_only;
     if wanted { Band::about(&suns) } else { None }
 }

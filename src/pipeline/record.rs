@@ -40,6 +40,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if let Some(bounce) = scenario.bounce {
+        settings["bounce"] = serde_json::json!(bounce);
+    }
     if scenario.refine {
         settings["refine"] = true.into();
     }
@@ -164,6 +167,7 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
         albedo: match &scenario.albedo {
             Albedo::Constant(albedo) => format!("constant {albedo}"),
             Albedo::Map(path) => file_name(path),
+            Albedo::SingleScattering(path) => format!("{} (single scattering)", file_name(path)),
         },
     }
 }

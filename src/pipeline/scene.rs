@@ -4,7 +4,7 @@ use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
-use crate::render;
+use crate::render::{self, AlbedoRole};
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
 use crate::shadow::{Mipmaps, Multiscale};
@@ -93,10 +93,17 @@ pub fn albedo_scale(scenario: &Scenario) -> f64 {
     if scenario.photometry.is_hapke() { 1.0 } else { 1.0 / SCALED_ALBEDO }
 }
 
+pub fn albedo_role(scenario: &Scenario) -> AlbedoRole {
+    match scenario.albedo {
+        Albedo::SingleScattering(_) => AlbedoRole::SingleScattering,
+        Albedo::Constant(_) | Albedo::Map(_) => AlbedoRole::Factor,
+    }
+}
+
 pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     let normal_albedo = match &scenario.albedo {
         Albedo::Constant(albedo) => *albedo,
-        Albedo::Map(_) => SCALED_ALBEDO,
+        Albedo::Map(_) | Albedo::SingleScattering(_) => SCALED_ALBEDO,
     };
     let reflectance = match scenario.photometry {
         Photometry::Lambert => Reflectance::Lambert { normal_albedo },

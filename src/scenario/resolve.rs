@@ -156,6 +156,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         band,
         earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),
         ambient: spec.ambient,
+        bounce: spec.bounce,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
         camera: camera::camera(&spec.camera, check),

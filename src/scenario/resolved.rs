@@ -10,7 +10,9 @@ use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::photometry::Curve;
 
-pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Values};
+pub use super::spec::{
+    Ambient, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Values,
+};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +44,8 @@ pub struct Scenario {
     pub earthshine_albedo: Option<f64>,
     /// `None`: a black sky.
     pub ambient: Option<Ambient>,
+    /// `None`: no light from terrain to terrain.
+    pub bounce: Option<Bounce>,
     pub trajectory: Trajectory,
     pub pointing: Pointing,
     pub camera: Camera,
@@ -104,6 +108,8 @@ impl Photometry {
 pub enum Albedo {
     Constant(f64),
     Map(PathBuf),
+    /// Of Hapke's `w`.
+    SingleScattering(PathBuf),
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -139,5 +139,9 @@ pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
         None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
         Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
+        Some(spec::Albedo::SingleScattering { path }) => {
+            check.needs(is_hapke, "surface.albedo", "needs one of the Hapke models: it is a map of their w");
+            Albedo::SingleScattering(check.file("surface.albedo.path", path))
+        }
     }
 }

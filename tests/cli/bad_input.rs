@@ -42,7 +42,7 @@ const STRUCTURE: &[Case] = &[
         "unknown key at the top",
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
-        "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
+        "2:22: tides is not a key here; allowed: ambient, body, bounce, camera, detector, earthshine, exposures, \
          frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, sun, surface, terrain, title, trajectory",
     ),
     Case(

@@ -40,6 +40,8 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
         albedo: None,
         ambient: None,
+        albedo_role: Default::default(),
+        bounce: None,
         detector: None,
         band_width_nm: None,
         disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),

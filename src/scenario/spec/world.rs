@@ -149,7 +149,7 @@ pub enum Horizon {
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
         /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
         /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
-        /// this scenario's own. Without effect where there is earthshine or ambient light.
+        /// this scenario's own. Without effect where there is earthshine, ambient or bounced light.
         #[serde(default)]
         band: bool,
     },
@@ -363,6 +363,11 @@ pub enum Albedo {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
         path: String,
     },
+    /// The single-scattering albedo w of a Hapke model from a georeferenced raster, instead of the model's own.
+    SingleScattering {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
 }
 
 /// The Sun.
@@ -475,6 +480,24 @@ pub struct Ambient {
     /// How much of the sky the ground sees.
     #[serde(default)]
     pub sky: Sky,
+}
+
+/// Sunlight that terrain reflects onto terrain, once, with form factors from horizon maps, which are made if shadows need none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bounce {
+    /// Directions all round in which ground is looked for.
+    #[schemars(range(min = 4, max = 128))]
+    pub azimuths: u32,
+    /// Elevations between a point's own plane and its skyline in each of them.
+    #[schemars(range(min = 1, max = 8))]
+    pub elevations: u32,
+}
+
+impl Default for Bounce {
+    fn default() -> Self {
+        Self { azimuths: 16, elevations: 2 }
+    }
 }
 
 /// How much of the sky the ground sees.
