@@ -17,7 +17,14 @@
 //! # Assumptions
 //! - One bounce of the Sun's light: in a bowl the rest is the share `A f` of it, `f = D/(2R)`, 2 % for lunar ground.
 //! - The receiving ground reflects it as if it came along the normal.
-//! - Measured with 16 azimuths and 2 elevations: see `tests/reference/bounce.rs`, which prints its figures.
+//!
+//! Measured (`tests/reference/bounce.rs`): against the closed form of a bowl, depth a fifth of its diameter, at four places; on waves
+//! of 60 m against 1024 rays a point over the hemisphere with traced shadows at their ends:
+//!
+//! | azimuths × elevations | bowl, Sun at 60° | 30° | 15° | waves, Sun at 25°: mean | RMS |
+//! |---|---|---|---|---|---|
+//! | 16 × 2 | 1.2 % | 3.0 % | 12 % | +5.9 % | 16 % |
+//! | 32 × 4 (default) | 1.1 % | 2.3 % | 3.1 % | −0.03 % | 7 % |
 //!
 //! # References
 //! Ingersoll, Svitek & Murray (1992), Icarus 100, 40, doi:10.1016/0019-1035(92)90016-Z, for the bowl; Mazarico et al. (2018),

@@ -496,7 +496,7 @@ pub struct Bounce {
 
 impl Default for Bounce {
     fn default() -> Self {
-        Self { azimuths: 16, elevations: 2 }
+        Self { azimuths: 32, elevations: 4 }
     }
 }
 
