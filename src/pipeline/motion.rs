@@ -4,6 +4,7 @@ use hifitime::{Epoch, Unit};
 
 use super::Error;
 use super::lights::{Lit, Sky};
+use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{Almanac, BodyFrame, Source, utc_text};
@@ -16,27 +17,48 @@ use crate::terrain::Surface;
 /// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
 #[derive(Debug, Clone)]
 pub struct Exposure {
+    /// Of the scenario's sweep, counted from 0.
+    pub point: usize,
     pub epoch: Epoch,
+    /// Of the camera, against the turning body.
+    pub velocity_m_s: glam::DVec3,
     pub sun: Source,
     /// Share of the Sun's light that the Earth leaves; `None`: nobody asked, or no kernel has the Earth.
     pub eclipse_share: Option<f64>,
     pub view: View,
 }
 
-/// All exposures of a scenario, before any of them is rendered.
+/// All exposures of a scenario at all points of its sweep, before any of them is rendered.
 pub fn exposures(
-    scenario: &Scenario,
+    points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
 ) -> Result<Vec<Exposure>, Error> {
-    outcomes(scenario, almanac, frame, surface, centre)?.into_iter().collect()
+    outcomes(points, almanac, frame, surface, centre)?.into_iter().collect()
 }
 
 /// As [`exposures`], each with what stands against it.
 pub fn outcomes(
+    points: &[Scenario],
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<Vec<Result<Exposure, Error>>, Error> {
+    let mut all = Vec::new();
+    for (point, scenario) in points.iter().enumerate() {
+        let first = all.len();
+        all.extend(of_point(scenario, [point, first], almanac, frame, surface, centre)?);
+    }
+    Ok(all)
+}
+
+/// The exposures at a point, the first of which is the dataset's `first`.
+fn of_point(
     scenario: &Scenario,
+    [point, first]: [usize; 2],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
@@ -46,12 +68,16 @@ pub fn outcomes(
     let pointing = pointing(scenario, frame, surface)?;
     let sky = Sky { scenario, almanac, frame, centre };
     let exposure = |(index, &epoch): (usize, &Epoch)| {
+        let index = first + index;
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
         check_clearance(surface, index, epoch, position)?;
-        let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
+        let camera_from_body = match &pointing {
+            Attitude::Law(law) => law.camera_from_body(&frame.body, epoch, position, velocity_m_s)?,
+            Attitude::Message(message) => message.camera_from_body(almanac, frame, epoch)?,
+        };
         let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
         let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
-        Ok(Exposure { epoch, sun, eclipse_share, view })
+        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
     };
     Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
 }
@@ -129,9 +155,15 @@ fn trajectory(
     })
 }
 
-fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
+/// Where the camera looks.
+enum Attitude {
+    Law(Pointing),
+    Message(Aem),
+}
+
+fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Attitude, Error> {
     let roll_rad = scenario.pointing.roll_rad;
-    Ok(match &scenario.pointing.towards {
+    Ok(Attitude::Law(match &scenario.pointing.towards {
         Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
         Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
         Towards::At { point, height_above } => {
@@ -150,5 +182,6 @@ fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result
                 _ => Pointing::Table(AttitudeTable::new(start, &rows)?),
             }
         }
-    })
+        Towards::Aem { path } => return Ok(Attitude::Message(Aem::read(path)?)),
+    }))
 }

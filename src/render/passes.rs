@@ -54,7 +54,6 @@ pub struct Passes<'a> {
 #[derive(Debug)]
 struct Prepared {
     pipeline: ComputePipeline,
-    reflectance: Buffer,
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
@@ -151,7 +150,6 @@ impl Prepared {
         }
         Ok(Self {
             pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
-            reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
@@ -183,6 +181,8 @@ impl Prepared {
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
+        // A sweep varies the albedo between views.
+        let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         for band in &self.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
@@ -197,7 +197,7 @@ impl Prepared {
                 &faces,
                 &levels,
                 &lights,
-                &self.reflectance,
+                &reflectance,
                 &self.disk_tables,
                 &self.ground.heights,
                 &self.ground.gradients[0],

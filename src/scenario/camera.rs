@@ -3,6 +3,8 @@
 use super::resolve::Check;
 use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::dataset::Format;
+use crate::labels::Limits;
 
 /// 8192²: one float plane of it takes 256 MiB.
 const LARGEST_IMAGE_PIXELS: u64 = 1 << 26;
@@ -75,6 +77,14 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
         let key = format!("outputs.planes[{index}]");
         check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
     }
+    let formats = &spec.outputs.formats;
+    for (index, format) in formats.iter().enumerate() {
+        let twice = formats[..index].contains(format);
+        let key = format!("outputs.formats[{index}]");
+        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
+        check.needs(!of_craters || spec.landmarks.is_some(), &key, "needs landmarks, which it lists");
+    }
     spec.outputs.clone()
 }
 
@@ -95,6 +105,11 @@ pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
     };
     let lists = written.lists.iter().enumerate().map(list).collect();
     Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
+}
+
+pub fn hazards(written: &spec::Hazards) -> Limits {
+    let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
+    Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
 }
 
 fn snake_case(name: &str) -> String {

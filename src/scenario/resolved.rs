@@ -6,12 +6,13 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
+use super::sweep::Sweep;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::photometry::Curve;
 
 pub use super::spec::{
-    Ambient, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Values,
+    Ambient, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Split, Values,
 };
 
 /// All that a run needs, as plain values.
@@ -52,9 +53,13 @@ pub struct Scenario {
     pub detector: Option<Detector>,
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
+    /// `None`: the exposures are made once.
+    pub sweep: Option<Sweep>,
+    pub split: Option<Split>,
     pub outputs: Outputs,
     /// `None`: no landmarks are written.
     pub landmarks: Option<Landmarks>,
+    pub hazards: crate::labels::Limits,
     pub seed: u64,
 }
 
@@ -218,6 +223,9 @@ pub enum Towards {
     AlongVelocity,
     /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
     Table(Vec<(Epoch, DQuat)>),
+    Aem {
+        path: PathBuf,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

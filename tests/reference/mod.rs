@@ -3,7 +3,9 @@
 mod bounce;
 mod default_kernels;
 mod ephemeris;
+mod flow;
 mod globe;
+mod hazards;
 mod horizon;
 mod labels;
 mod photometry;

@@ -1,13 +1,15 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
 mod output;
+mod sweep;
 mod view;
 mod world;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use output::{CraterList, Detector, Landmarks, Outputs, Preview};
+pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
@@ -73,12 +75,21 @@ pub struct Spec {
     pub detector: Option<Detector>,
     /// When images are taken.
     pub exposures: Exposures,
+    /// Makes all exposures at many points: Suns, places, albedos. Default: none.
+    #[serde(default)]
+    pub sweep: Option<Sweep>,
+    /// Which images are for training, validation and test. Default: not said.
+    #[serde(default)]
+    pub split: Option<Split>,
     /// What is written.
     #[serde(default)]
     pub outputs: Outputs,
     /// Craters as ellipses and conics. Default: none.
     #[serde(default)]
     pub landmarks: Option<Landmarks>,
+    /// A lander, for the planes hazard_….
+    #[serde(default)]
+    pub hazards: Hazards,
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,
