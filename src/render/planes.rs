@@ -47,7 +47,8 @@ impl Quantity {
             | SunIlluminationMask
             | Hit
             | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard => true,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
+            | InventedHeight => true,
             EllipsoidIncidence
             | EllipsoidEmission
             | Slope
@@ -78,6 +79,7 @@ impl Quantity {
                 | HazardRoughness
                 | HazardSunlit
                 | Hazard
+                | InventedHeight
         )
     }
 }

@@ -139,9 +139,13 @@ const STRUCTURE: &[Case] = &[
         "unknown plane",
         "[radiance, depth]",
         "[radiance, dept]",
-        "12:34: outputs.planes[1] = dept is not one of radiance, spectral_radiance, ground_irradiance, spectral_ground_irradiance, radiance_factor, \
-         focal_plane_irradiance, digital_number, noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, \
-         normal, latitude, longitude, height, incidence, emission, phase, ground_sample_distance; did you mean depth?",
+        "12:34: outputs.planes[1] = dept is not one of radiance, spectral_radiance, ground_irradiance, \
+         spectral_ground_irradiance, radiance_factor, focal_plane_irradiance, digital_number, \
+         noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, normal, latitude, \
+         longitude, height, incidence, emission, phase, ground_sample_distance, sun_illumination_mask, \
+         ellipsoid_incidence, ellipsoid_emission, slope, aspect, north_azimuth, sun_azimuth, subsolar_ground_azimuth, \
+         flow, covisible, flow_back, covisible_back, shadow_change, hazard_slope, hazard_roughness, hazard_sunlit, \
+         hazard, invented_height; did you mean depth?",
     ),
     Case(
         "variant without its content",

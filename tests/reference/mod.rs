@@ -2,6 +2,7 @@
 
 mod bounce;
 mod default_kernels;
+mod detail;
 mod ephemeris;
 mod flow;
 mod globe;
