@@ -1,12 +1,13 @@
 //! What is written down about a run and about each exposure.
 
 use super::ground::file_name;
-use super::{Prepared, scene, split};
+use super::{Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
     RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
+use crate::labels;
 use crate::render::{Image, Quantity, Scene};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
@@ -41,6 +42,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     });
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
+        settings["invented"] = serde_json::json!(invented);
     }
     if let Some(sweep) = &scenario.sweep {
         let values = |point: &Point| point.0.iter().map(|(_, value)| *value).collect::<Vec<f64>>();

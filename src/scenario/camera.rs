@@ -97,10 +97,11 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
 pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
     let written = spec.landmarks.as_ref()?;
     let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
-    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. } | spec::Dem::Detail { .. }));
     let list = |(index, list): (usize, &spec::CraterList)| match list {
         spec::CraterList::Terrain => {
-            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            let needs =
+                "needs a Synthetic model or Detail in terrain.dems; craters of measured terrain come from a File";
             check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
             CraterList::Terrain
         }
