@@ -6,14 +6,14 @@ use clap::Subcommand;
 use perilune::evaluate::illumination::percentages;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, dataset, frame, horizons, shadows, sources, stability};
+use perilune::evaluate::{Report, dataset, frame, horizons, radiometry, shadows, sources, stability};
 
 use super::Outcome;
 use super::bars::Bars;
 use super::common::Files;
 use super::run::exposures;
 
-/// Measure how fast and how right: horizons, images, shadows.
+/// Measure how fast and how right: horizons, images, shadows, light.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -84,6 +84,14 @@ enum Bench {
         /// Frames that are timed with each method
         #[arg(long, default_value_t = 5, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
         repeat: usize,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Light against published values: irradiance, limb, reflectance, disc integrals, eclipses.
+    Radiometry {
+        /// A folder with kernels in kernels/, before `SIM_DATA`: contacts of eclipses need one. Repeatable.
+        #[arg(long)]
+        data: Vec<PathBuf>,
         #[command(flatten)]
         output: Output,
     },
@@ -170,6 +178,10 @@ pub fn run(args: Args) -> Outcome {
             (report, output)
         }
         Bench::Sources { quick, repeat, output } => (sources::run(&sources::Options { quick, repeat }, &bars)?, output),
+        Bench::Radiometry { mut data, output } => {
+            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
+            (radiometry::run(&data)?, output)
+        }
         Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
     };
     bars.clear();

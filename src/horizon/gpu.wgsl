@@ -84,7 +84,7 @@ fn start_of(level: Level, at: vec2u) -> vec2f {
 fn stretch_m(level: Level, at: vec2u) -> vec2f {
     let start = start_of(level, at);
     let far = vec2f(level.nodes - 1);
-    let outside = start < vec2f(0.0) | start > far;
+    let outside = (start < vec2f(0.0)) | (start > far);
     if any(outside & (ray.direction == vec2f(0.0))) { return vec2f(0.0); }
     let up = ray.direction > vec2f(0.0);
     let exits_m = crossings_m(level, start, select(vec2f(0.0), far, up));

@@ -116,7 +116,8 @@ impl Facts {
             error,
             maps_error: FOURIER_ERROR * error_ratio(scenario.horizon.encoding),
             azimuths: scenario.horizon.azimuths as usize,
-            maps_are_made: matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })),
+            maps_are_made: matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. }))
+                || scenario.bounce.is_some(),
             spanned: planes(exposures),
             swept: new.iter().map(|&index| planes(&exposures[index..=index])).sum(),
             images: exposures.len(),

@@ -74,14 +74,7 @@ impl Visibility {
             }
             Self::Boxes(count) => {
                 let middles = (0..count).map(|i| f64::from(2 * i + 1) / f64::from(count) - 1.0);
-                let (mut light, mut weights) = (0.0, 0.0);
-                for x in middles {
-                    let chord = (1.0 - x * x).sqrt();
-                    let weight = chord.powf(disk.alpha() + 1.0);
-                    light += weight * disk.share_of_column_above(height(x) / chord);
-                    weights += weight;
-                }
-                light / weights
+                disk.share_of_columns(&middles.map(|x| [x, height(x)]).collect::<Vec<_>>())
             }
             Self::Line => {
                 let (elevation_rad, slope) = skyline(0.0);

@@ -17,6 +17,19 @@ struct Poise {
 }
 
 fn visible_share(profile: HorizonProfile, poise: Poise) -> f32 {
+    if DISK_PARTS == 1u {
+        return visible_share_of_part(profile, poise);
+    }
+    var share = 0.0;
+    for (var part = 0u; part < DISK_PARTS; part++) {
+        disk_part = part * (4u + 2u * DISK_KNOTS + 2u * DISK_COLUMNS);
+        share += disk_tables[disk_part + 3u] * visible_share_of_part(profile, poise);
+    }
+    disk_part = 0u;
+    return clamp(share, 0.0, 1.0);
+}
+
+fn visible_share_of_part(profile: HorizonProfile, poise: Poise) -> f32 {
     if VISIBILITY == 0u {
         return share_above(skyline_height(profile, poise, 0.0));
     }
@@ -33,8 +46,9 @@ fn visible_share(profile: HorizonProfile, poise: Poise) -> f32 {
             let x = f32(2u * i + 1u) / f32(BOXES) - 1.0;
             let square = 1.0 - x * x;
             let chord = sqrt(square);
-            let weight = pow(square, 0.5 * (disk_tables[0] + 1.0));
-            light += weight * disk_table(4u + DISK_KNOTS, clamp(skyline_height(profile, poise, x) / chord, -1.0, 1.0));
+            let weight = pow(square, 0.5 * (disk_tables[disk_part] + 1.0));
+            let height = clamp(skyline_height(profile, poise, x) / chord, -1.0, 1.0);
+            light += weight * disk_table(disk_part + 4u + DISK_KNOTS, height);
             weights += weight;
         }
         return light / weights;

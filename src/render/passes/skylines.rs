@@ -4,7 +4,6 @@ use wgpu::{Buffer, ComputePipeline};
 
 use super::upload::{DeviceGround, fits};
 use crate::gpu::Gpu;
-use crate::photometry::SolarDisk;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
 use crate::shadow::{HeldLight, OutsideSwath, Skylines};
@@ -50,7 +49,7 @@ impl DeviceSkylines {
         }
         fits::<[u32; 4]>(gpu, "skylines", lights * texels, 1)?;
         let shader = [SHADER, &ground.encoding.wgsl()].concat();
-        let mut constants = [&ground.pages[..], &ground.encoding.constants(), &SolarDisk::constants()].concat();
+        let mut constants = [&ground.pages[..], &ground.encoding.constants(), &scene.disk.constants()].concat();
         let factors = match &scene.shadows {
             Shadows::Lighting(lighting) => Some(lighting.visibility),
             _ => None,

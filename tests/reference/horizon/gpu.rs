@@ -10,8 +10,7 @@ use perilune::terrain::Face;
 use super::scene::{Random, cratered, face, level, lunar_map};
 use crate::conformance::gpu;
 
-/// Places are rounded to 2e-4 of a cell where a grid has 2048 of them, and heights to 2e-4 m: with slopes of 1, 2e-4 of the
-/// posting that a crest is away, or 0.003° once in a million; here grids are small.
+/// Heights are rounded to 1e-4 m, which is 5e-6 rad over a posting of 20 m; as much again for the rest.
 const BOUND_RAD: f64 = 1e-5;
 
 /// What the device's horizons of one face differ by from those traced over another one, at some pixels in all azimuths.
