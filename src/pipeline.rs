@@ -9,6 +9,7 @@
 //! ready when the horizons begin.
 
 pub mod auto;
+mod camera_record;
 mod check;
 mod error;
 pub mod globe;
@@ -17,6 +18,7 @@ pub mod motion;
 mod progress;
 mod record;
 pub mod scene;
+pub mod shot;
 pub mod swath;
 
 use std::ops::Range;
@@ -96,6 +98,7 @@ pub struct Prepared {
     pub frame: BodyFrame,
     pub ground: ground::Ground,
     pub exposures: Vec<Exposure>,
+    pub motion: motion::Motion,
     pub shadows: auto::Choice,
 }
 
@@ -108,12 +111,12 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    let (exposures, motion) = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, shadows })
+    Ok(Prepared { almanac, frame, ground, exposures, motion, shadows })
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -140,6 +143,12 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
         inputs.push(("trajectory", path.as_path()));
+    }
+    if let Some(isd) = &scenario.camera.isd {
+        inputs.push(("camera", isd.path.as_path()));
+    }
+    if let Some(kernel) = &scenario.camera.kernel {
+        inputs.push(("psf", kernel.as_path()));
     }
     inputs
 }
@@ -236,6 +245,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
+    let imaging = scene::imaging(scenario)?;
 
     let mut passes = gpu.as_ref().map(Passes::new);
     let mut reference = Reference;
@@ -258,9 +268,10 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     progress.begin("rendering", todo.len(), "exposures");
     for (done, &index) in todo.iter().enumerate() {
         let exposure = &prepared.exposures[index];
-        let image = renderer.render(&scene, &exposure.view)?;
-        device += renderer.device_time().unwrap_or_default();
-        let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
+        let shot = shot::take(scenario, &prepared, &scene, &imaging, renderer, exposure)?;
+        device += shot.device;
+        let facts = record::facts(scenario, &prepared, &scene, &run, index, &shot);
+        let image = shot.image;
         writer.submit(dataset::Exposure { index, image, facts })?;
         progress.at(done + 1, todo.len());
     }

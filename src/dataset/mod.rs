@@ -38,7 +38,8 @@ pub use inspect::inspect;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{
-    BodyRecord, CameraRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord, PoseRecord, PreviewRecord,
-    QualityRecord, RadiometryRecord, Record, SensorRecord, SoftwareRecord, Statistics, SunRecord,
+    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord,
+    PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord, SoftwareRecord,
+    Statistics, SunRecord,
 };
 pub use writer::{Exposure, Settings, Summary, Writer};

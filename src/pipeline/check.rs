@@ -22,6 +22,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     let mut checked = Checked::default();
     let problems = &mut checked.problems;
     problems.extend(scene::optics(scenario).err());
+    problems.extend(scene::imaging(scenario).err());
     problems.extend(scene::detector(scenario).err());
     problems.extend(scene::disk(scenario).err());
     problems.extend(scene::reflectance(scenario).err());
@@ -78,7 +79,7 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         None => bare(&frame.body, scenario),
     };
     let outcomes = match motion::outcomes(scenario, almanac, frame, &surface, centre) {
-        Ok(outcomes) => outcomes,
+        Ok((outcomes, _)) => outcomes,
         Err(error) => return vec![error],
     };
     let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });

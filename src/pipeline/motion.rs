@@ -2,7 +2,8 @@
 
 use hifitime::{Epoch, Unit};
 
-use super::Error;
+use super::{Error, scene};
+use crate::camera::Pose;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
@@ -12,7 +13,7 @@ use crate::render::{Light, View};
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
 use crate::terrain::Surface;
 
-/// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
+/// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees at that instant.
 #[derive(Debug, Clone)]
 pub struct Exposure {
     pub epoch: Epoch,
@@ -20,41 +21,109 @@ pub struct Exposure {
     pub view: View,
 }
 
-/// All exposures of a scenario, before any of them is rendered.
+/// Where the camera is at any epoch.
+#[derive(Debug)]
+pub struct Motion {
+    trajectory: Path,
+    pointing: Pointing,
+}
+
+/// Where it comes from.
+#[derive(Debug)]
+enum Path {
+    Trajectory(Trajectory),
+    /// Poses of an image's exposures in the middle of their times, at times from the image's middle.
+    Poses(Vec<(f64, Pose)>),
+}
+
+/// All exposures of a scenario, before any of them is rendered, and the camera's motion.
 pub fn exposures(
     scenario: &Scenario,
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<Vec<Exposure>, Error> {
-    outcomes(scenario, almanac, frame, surface, centre)?.into_iter().collect()
+) -> Result<(Vec<Exposure>, Motion), Error> {
+    let (outcomes, motion) = outcomes(scenario, almanac, frame, surface, centre)?;
+    Ok((outcomes.into_iter().collect::<Result<_, _>>()?, motion))
 }
 
 /// As [`exposures`], each with what stands against it.
+#[allow(clippy::type_complexity)]
 pub fn outcomes(
     scenario: &Scenario,
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<Vec<Result<Exposure, Error>>, Error> {
-    let trajectory = trajectory(scenario, almanac, frame, surface)?;
-    let pointing = pointing(scenario, frame, surface)?;
+) -> Result<(Vec<Result<Exposure, Error>>, Motion), Error> {
+    let motion = Motion::new(scenario, almanac, frame, surface)?;
     let reference = frame.body.position_from_geodetic(centre);
+    let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
     let exposure = |(index, &epoch): (usize, &Epoch)| {
-        let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
-        check_clearance(surface, index, epoch, position)?;
-        let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
+        // The middle last: it is the view's. Poses in between are met while rendering, within the same spans.
+        let ends = if reach_s > 0.0 { vec![-reach_s, reach_s, 0.0] } else { vec![0.0] };
+        let mut pose = None;
+        for offset_s in ends {
+            let here = motion.pose(almanac, frame, epoch, offset_s)?;
+            check_clearance(surface, index, epoch, here.position)?;
+            pose = Some(here);
+        }
+        let pose = pose.expect("the middle is among the ends");
         let sun = sun(scenario, almanac, frame, centre, epoch)?;
         let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
         if let Some(albedo) = scenario.earthshine_albedo {
             lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
         }
-        let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
+        let (camera_position, camera_from_body) = (pose.position, pose.camera_from_body);
+        let view = View { exposure: index as u64, camera_position, camera_from_body, lights };
         Ok(Exposure { epoch, sun, view })
     };
-    Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
+    Ok((scenario.exposures.iter().enumerate().map(exposure).collect(), motion))
+}
+
+impl Motion {
+    fn new(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, surface: &Surface) -> Result<Self, Error> {
+        let pointing = pointing(scenario, frame, surface)?;
+        let trajectory = match (&scenario.trajectory, &scenario.camera.isd) {
+            (scenario::Trajectory::Isd, Some(isd)) => {
+                let bands = isd.shutter.pieces(scenario.camera.rows).into_iter().flatten();
+                Path::Poses(bands.map(|band| band.time_s).zip(isd.camera.poses.iter().copied()).collect())
+            }
+            _ => Path::Trajectory(trajectory(scenario, almanac, frame, surface)?),
+        };
+        Ok(Self { trajectory, pointing })
+    }
+
+    /// The pose at a time from an exposure's epoch.
+    pub fn pose(&self, almanac: &Almanac, frame: &BodyFrame, epoch: Epoch, offset_s: f64) -> Result<Pose, Error> {
+        let trajectory = match &self.trajectory {
+            Path::Trajectory(trajectory) => trajectory,
+            Path::Poses(poses) => return Ok(nearest(poses, offset_s)),
+        };
+        let epoch = if offset_s == 0.0 { epoch } else { epoch + offset_s * Unit::Second };
+        let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
+        let camera_from_body = self.pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
+        Ok(Pose { position, camera_from_body })
+    }
+
+    /// Poses at times from an exposure's epoch: of each band, of each moment.
+    pub fn poses(
+        &self,
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        epoch: Epoch,
+        times_s: &[Vec<f64>],
+    ) -> Result<Vec<Vec<Pose>>, Error> {
+        let of_band = |times: &Vec<f64>| times.iter().map(|&time| self.pose(almanac, frame, epoch, time)).collect();
+        times_s.iter().map(of_band).collect()
+    }
+}
+
+/// The one whose time is nearest: bands are asked for at their own times, the image's middle between two of them.
+fn nearest(poses: &[(f64, Pose)], offset_s: f64) -> Pose {
+    let distance = |(time_s, _): &&(f64, Pose)| (time_s - offset_s).abs();
+    poses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("an ISD has a pose").1
 }
 
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
@@ -155,8 +224,9 @@ fn trajectory(
             if let [(from_s, alone)] = points[..] {
                 // One point is a camera that stands still, from the first exposure to the last.
                 let [first, last] = [scenario.exposures.first(), scenario.exposures.last()];
-                let until_s = last.map_or(from_s, |epoch| offset(*epoch)).max(from_s) + 1.0;
-                points[0].0 = first.map_or(from_s, |epoch| offset(*epoch)).min(from_s);
+                let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
+                let until_s = last.map_or(from_s, |epoch| offset(*epoch)).max(from_s) + 1.0 + reach_s;
+                points[0].0 = first.map_or(from_s, |epoch| offset(*epoch)).min(from_s) - reach_s;
                 points.push((until_s, alone));
             }
             Trajectory::Waypoints(Waypoints::new(start, &points, SplineEnds::Natural)?)
@@ -177,17 +247,24 @@ fn trajectory(
         scenario::Trajectory::State { epoch, position_m, velocity_m_s, gm_m3_s2 } => {
             Trajectory::TwoBody(TwoBody::from_state(*epoch, *position_m, *velocity_m_s, gm(gm_m3_s2)?)?)
         }
+        scenario::Trajectory::Isd => unreachable!("an ISD has poses, not a trajectory"),
     })
 }
 
 fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
     let roll_rad = scenario.pointing.roll_rad;
+    let top = |default: Top| match scenario.pointing.top {
+        None => default,
+        Some(scenario::Top::North) => Top::North,
+        Some(scenario::Top::Velocity) => Top::Velocity,
+        Some(scenario::Top::Up) => Top::Up,
+    };
     Ok(match &scenario.pointing.towards {
-        Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
-        Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
+        Towards::Nadir => Pointing::Nadir { top: top(Top::North), roll_rad },
+        Towards::AlongVelocity => Pointing::AlongVelocity { top: top(Top::Up), roll_rad },
         Towards::At { point, height_above } => {
             let point = frame.body.geodetic_from_position(on_body(surface, *point, *height_above));
-            Pointing::AtPoint { point, top: Top::Up, roll_rad }
+            Pointing::AtPoint { point, top: top(Top::Up), roll_rad }
         }
         Towards::Table(rows) => {
             let start = rows[0].0;

@@ -1,10 +1,11 @@
 //! What is written down about a run and about each exposure.
 
 use super::ground::file_name;
+use super::shot::Shot;
 use super::{Prepared, scene};
 use crate::dataset::{
-    self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
-    RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, White,
+    self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
+    SoftwareRecord, SunRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::render::{Image, Quantity, Scene};
@@ -41,6 +42,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     });
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if let Some(preset) = scenario.camera.preset {
+        settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
     }
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
@@ -79,20 +83,16 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image) -> Facts {
+pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run, index: usize, shot: &Shot) -> Facts {
+    let image = &shot.image;
     let exposure = &prepared.exposures[index];
     let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
-        camera: CameraRecord::opencv(
-            [camera.columns as usize, camera.rows as usize],
-            camera.focal_length_px,
-            camera.principal_point_px,
-            camera.distortion.as_ref().map_or([0.0; 5], |d| [d.k1, d.k2, d.p1, d.p2, d.k3]),
-        ),
-        pose: pose(prepared, index),
+        camera: super::camera_record::camera(scenario, prepared, scene, shot, exposure),
+        pose: pose(prepared, index, shot),
         sun: sun(scenario, prepared, index),
         radiometry: RadiometryRecord {
             unit: Quantity::Radiance.unit().into(),
@@ -100,21 +100,14 @@ pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run,
             irradiance_w_m2: exposure.view.lights[0].irradiance_w_m2,
             band_nm: camera.band_m.map(|band| band.map(|edge_m| edge_m * 1e9)),
         },
-        sensor: SensorRecord {
-            seed: scenario.seed,
-            exposure_s: camera.exposure_s,
-            f_number: camera.f_number,
-            transmission: camera.transmission,
-            samples_per_pixel: camera.samples_per_pixel,
-            gain_e_per_dn: scenario.detector.as_ref().map(|detector| detector.gain_e_per_dn),
-        },
+        sensor: super::camera_record::sensor(scenario, shot),
         inputs: inputs(scenario, run),
         software: run.software.clone(),
         quality: quality(scene, image),
     }
 }
 
-fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
+fn pose(prepared: &Prepared, index: usize, shot: &Shot) -> PoseRecord {
     let view = &prepared.exposures[index].view;
     let q = view.camera_from_body.quaternion();
     let place = prepared.frame.body.geodetic_from_position(view.camera_position);
@@ -124,6 +117,7 @@ fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
         latitude_deg: place.latitude_rad.to_degrees(),
         longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),
         height_m: place.height_m,
+        rows: super::camera_record::rows(shot),
         ..Default::default()
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! [`Scene`] and [`View`] are all that a renderer reads. [`mod@reference`] renders them in f64, one ray at a time,
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
-//! [`planes`] makes the image.
+//! [`planes`] makes the image. [`imaging`] takes it with a lens that blurs and a shutter that takes its time.
 
 pub mod image;
+pub mod imaging;
 pub mod layout;
 pub mod passes;
 pub mod planes;
@@ -13,9 +14,10 @@ pub mod refine;
 pub mod view;
 
 pub use image::{Image, Plane, Quantity};
+pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::Samples;
-pub use view::{Ambient, Light, Scene, Shadows, View};
+pub use view::{Ambient, Light, Rays, Scene, Shadows, View};
 
 use std::time::Duration;
 
@@ -28,7 +30,12 @@ pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;
 
-    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError>;
+    /// What some rays from the view's pose see.
+    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError>;
+
+    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+        self.follow(scene, &scene.rays(), view)
+    }
 
     /// What the device spent on the last view, where it can tell.
     fn device_time(&self) -> Option<Duration> {

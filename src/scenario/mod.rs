@@ -16,6 +16,7 @@ mod camera;
 mod error;
 mod files;
 mod motion;
+mod presets;
 mod resolve;
 mod resolved;
 mod structure;

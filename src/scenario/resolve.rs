@@ -51,13 +51,17 @@ pub fn resolve(path: &Path, text: &str, places: &Places, about: About) -> Result
 
 /// Reads the text with `ron`, with the extensions that make files plain.
 fn parse(text: &str) -> Result<Spec, Problem> {
-    use ron::extensions::Extensions;
-    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    ron::Options::default().with_default_extension(extensions).from_str(text).map_err(|error| Problem {
+    read(text).map_err(|error| Problem {
         place: Place { line: error.span.start.line, column: error.span.start.col },
         key: String::new(),
         fault: Fault::Syntax(first_letter_lower(&error.code.to_string())),
     })
+}
+
+pub(super) fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, ron::error::SpannedError> {
+    use ron::extensions::Extensions;
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    ron::Options::default().with_default_extension(extensions).from_str(text)
 }
 
 fn first_letter_lower(text: &str) -> String {
@@ -129,7 +133,8 @@ impl Check<'_> {
 
 fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario {
     check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
-    let exposures = motion::exposures(&spec.exposures, check);
+    let (camera, detector) = camera::camera(spec, check);
+    let exposures = motion::exposures(&spec.exposures, &camera, check);
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
@@ -156,10 +161,10 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         ambient: spec.ambient,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
-        camera: camera::camera(&spec.camera, check),
-        detector: camera::detector(spec, check),
+        outputs: camera::outputs(spec, detector.is_some(), check),
+        camera,
+        detector,
         exposures,
-        outputs: camera::outputs(spec, check),
         seed: spec.seed,
     }
 }

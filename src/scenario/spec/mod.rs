@@ -1,5 +1,6 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
+mod camera;
 mod output;
 mod view;
 mod world;
@@ -7,10 +8,11 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use output::{Detector, Outputs, Preview};
-pub use view::{
-    Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
+pub use camera::{
+    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
+pub use output::{Detector, Outputs, Preview};
+pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
     Sky, Sun, Surface, Terrain, Values,
