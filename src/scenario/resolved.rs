@@ -83,8 +83,19 @@ pub enum Photometry {
     Lambert,
     LommelSeeliger,
     LunarLambert,
+    Minnaert { k: f64 },
+    Akimov { eta: f64 },
     HapkeMoon,
+    HapkeMars,
+    HapkeMercury,
     Hapke { w: f64, b: f64, c: f64, bs0: f64, hs: f64, bc0: f64, hc: f64, theta_bar_rad: f64, phi: f64 },
+}
+
+impl Photometry {
+    /// Whether its reflectance is its own, so that an albedo multiplies it.
+    pub fn is_hapke(&self) -> bool {
+        matches!(self, Self::HapkeMoon | Self::HapkeMars | Self::HapkeMercury | Self::Hapke { .. })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -228,7 +239,11 @@ impl From<&spec::Photometry> for Photometry {
             spec::Photometry::Lambert => Self::Lambert,
             spec::Photometry::LommelSeeliger => Self::LommelSeeliger,
             spec::Photometry::LunarLambert => Self::LunarLambert,
+            spec::Photometry::Minnaert { k } => Self::Minnaert { k },
+            spec::Photometry::Akimov { eta } => Self::Akimov { eta },
             spec::Photometry::HapkeMoon => Self::HapkeMoon,
+            spec::Photometry::HapkeMars => Self::HapkeMars,
+            spec::Photometry::HapkeMercury => Self::HapkeMercury,
             spec::Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_deg, phi } => {
                 Self::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad: theta_bar_deg.to_radians(), phi }
             }
