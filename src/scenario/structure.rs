@@ -112,7 +112,8 @@ impl<'a> Check<'a> {
 
     fn object(&mut self, schema: &'a Json, node: &Node, key: &str) {
         let Value::Struct(fields) = &node.unwrapped().value else {
-            let expected = format!("({})", required(schema).collect::<Vec<_>>().join(", "));
+            let needed: Vec<&str> = required(schema).collect();
+            let expected = if needed.is_empty() { "(…)".into() } else { format!("({})", needed.join(", ")) };
             return self.wrong_type(node, key, &expected);
         };
         for (index, field) in fields.iter().enumerate() {

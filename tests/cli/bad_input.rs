@@ -77,7 +77,7 @@ const STRUCTURE: &[Case] = &[
         "number for a struct",
         "camera: (columns: 64, rows: 48, focal_length_mm: 50, pixel_pitch_um: 10)",
         "camera: 3",
-        "10:13: camera = 3 is not (columns, rows)",
+        "10:13: camera = 3 is not (…)",
     ),
     Case(
         "a method with keys without parentheses",

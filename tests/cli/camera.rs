@@ -9,17 +9,16 @@ use perilune::scenario::{Places, Preset, Scenario, resolve};
 use super::run::Run;
 use crate::compare::scene::{Carrier, FOCAL_MM, Flight, PITCH_MM, PIXELS, isd};
 
-/// Two images of a bare sphere from 50 km, the Sun at 30°.
+/// Images of a bare sphere from 50 km, under a full Moon's Sun.
 const BARE: &str = r#"(
     title: "a bare sphere",
-    sun: (fixed: (azimuth_deg: 60, elevation_deg: 30)),
     trajectory: Waypoints(points: [
         (t_s: -60, latitude_deg: -3, longitude_deg: 0, height_m: 50000),
         (t_s: 60, latitude_deg: 3, longitude_deg: 0, height_m: 50000),
     ]),
     pointing: (towards: Nadir),
     camera: (CAMERA),
-    exposures: Series(start: "2026-11-06T00:00:00 UTC", step_s: 10, count: 3),
+    exposures: Series(start: "2026-11-24T15:00:00 UTC", step_s: 10, count: 3),
     outputs: (planes: [PLANES], animation: false),
 )
 "#;

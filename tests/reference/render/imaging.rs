@@ -87,10 +87,9 @@ fn the_blur_is_as_long_as_the_turn() {
         let imaging = imaging(2, Shutter::Global, moments, None);
         for (renderer, planes) in taken(&scene, &imaging, exposure_s, |time_s| limb(rate_rad_s * time_s)) {
             let (middle, square) = edge(&profile(&planes[0][..64]));
-            let square = square - 1.0 / 6.0;
-            let expected = 12.0 * (1.0 - 1.0 / (moments * moments) as f64);
-            println!("{renderer}, {moments} moments: {:.3} px long", (12.0 * square.max(0.0)).sqrt());
-            assert!((square - expected).abs() < 1.0 / 6.0, "{renderer}, {moments}: {square} {expected}");
+            let expected = 12.0 * (1.0 - 1.0 / (moments * moments) as f64) + 1.0 / 6.0;
+            println!("{renderer}, {moments} moments: {:.3} px long", (12.0 * (square - 1.0 / 6.0).max(0.0)).sqrt());
+            assert!((square - expected).abs() < 1.0 / 6.0 + 1e-3, "{renderer}, {moments}: {square} {expected}");
             assert!((middle - 31.5).abs() < 0.1, "{renderer}: the middle of the exposure stays: {middle}");
             // Coverage is the ground truth of the middle: as sharp as without motion.
             let (middle, square) = edge(&profile(&planes[1][..64]));
@@ -113,21 +112,19 @@ fn a_rolling_shutter_shears_an_upright_edge() {
             .collect()
     };
     let rolling = |rows_per_pose, upwards| Shutter::Rolling { line_time_s, rows_per_pose, upwards };
-    // Samples are 1/16 px apart; the limb's curvature moves it by 0.03 px at the ends.
+    // Samples are 1/16 px apart. The limb is a circle: its own curve, 0.2 px at the ends, is taken away.
     let allowed = 0.1;
-    let towards = sheared(rolling(1, false))[0].1[31] - sheared(rolling(1, false))[0].1[0];
-    assert!((towards.abs() - 31.0 * 0.4).abs() < allowed, "{towards}");
-    for (shutter, steps, sign) in [
-        (rolling(1, false), 1, 1.0),
-        (rolling(1, true), 1, -1.0),
-        (rolling(4, false), 4, 1.0),
-        (Shutter::Global, 32, 1.0),
-    ] {
-        for (renderer, edges) in sheared(shutter) {
-            for (row, edge) in edges.iter().enumerate() {
+    let curves = sheared(Shutter::Global);
+    assert!(curves[0].1.iter().all(|edge| (edge - 31.5).abs() < 0.3), "{curves:?}");
+    for (shutter, steps, sign) in
+        [(rolling(1, false), 1, 1.0), (rolling(1, true), 1, -1.0), (rolling(4, false), 4, 1.0)]
+    {
+        for ((renderer, edges), (_, curve)) in sheared(shutter).into_iter().zip(&curves) {
+            for (row, (edge, still)) in edges.iter().zip(curve).enumerate() {
                 let block = (row / steps * steps) as f64 + 0.5 * (steps as f64 - 1.0);
-                let expected = 31.5 + sign * towards.signum() * 0.4 * (block - 15.5);
-                assert!((edge - expected).abs() < allowed, "{renderer}, {shutter:?}, {row}: {edge} {expected}");
+                let expected = sign * 0.4 * (block - 15.5);
+                let got = edge - still;
+                assert!((got - expected).abs() < allowed, "{renderer}, {shutter:?}, {row}: {got} {expected}");
             }
         }
     }
