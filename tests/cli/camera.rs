@@ -55,7 +55,8 @@ fn presets_see_as_wide_as_their_papers_say() {
     close(of(Preset::LroNac).0, 10.0042e-6, 5e-4);
     close(of(Preset::LroWac).0, 74.9 / 50e3, 5e-3);
     close(of(Preset::KaguyaTc).0, 10.0 / 100e3, 0.04);
-    close(of(Preset::ApolloMetric).1, 73.774, 5e-4);
+    // 114.3 mm of film; the kernel's field is that of 114.2.
+    close(of(Preset::ApolloMetric).1, 73.774, 1.2e-3);
     close(of(Preset::OsirisRexNavCam).0, 0.28e-3, 0.03);
     // Along the ideal plane; barrel distortion packs 44° into it.
     close(of(Preset::OsirisRexNavCam).1, 41.0, 0.02);
@@ -98,9 +99,11 @@ fn an_image_alone_is_the_same_as_in_its_series() {
     let [series, alone] = [Run::of(&text), Run::of(&text)];
     series.succeed(&[]);
     alone.succeed(&["--frames", "2..3"]);
-    for name in ["exposure_0002.exr", "exposure_0002.json"] {
-        assert!(series.files()[name] == alone.files()[name], "{name}");
-    }
+    assert!(series.files()["exposure_0002.exr"] == alone.files()["exposure_0002.exr"]);
+    let [mut said, mut said_alone] = [&series, &alone].map(|run| record(run, 2));
+    // A preview's white is the whole sequence's.
+    [&mut said, &mut said_alone].map(|record| record["preview"].take());
+    assert_eq!(said, said_alone);
     assert_ne!(plane(&series, 1, "DN"), plane(&series, 2, "DN"), "noise is another's in another exposure");
 }
 
