@@ -14,6 +14,7 @@ mod check;
 mod error;
 pub mod globe;
 pub mod ground;
+mod landmarks;
 pub mod motion;
 mod progress;
 mod record;
@@ -36,6 +37,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
+use crate::labels::{self, Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
@@ -100,6 +102,8 @@ pub struct Prepared {
     pub exposures: Vec<Exposure>,
     pub motion: motion::Motion,
     pub shadows: auto::Choice,
+    /// With their rims; empty where the scenario asks for no landmarks.
+    pub craters: Vec<(Crater, Rim)>,
 }
 
 /// Kernels, terrain and poses of a scenario.
@@ -111,12 +115,13 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
+    let craters = landmarks::craters(scenario, &mut ground, cache)?;
     let (exposures, motion) = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, motion, shadows })
+    Ok(Prepared { almanac, frame, ground, exposures, motion, shadows, craters })
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -258,6 +263,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let settings = dataset::Settings {
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
+        overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
@@ -271,8 +277,9 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         let shot = shot::take(scenario, &prepared, &scene, &imaging, renderer, exposure)?;
         device += shot.device;
         let facts = record::facts(scenario, &prepared, &scene, &run, index, &shot);
-        let image = shot.image;
-        writer.submit(dataset::Exposure { index, image, facts })?;
+        let wanted = scenario.landmarks.as_ref();
+        let landmarks = wanted.map(|it| labels::landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
+        writer.submit(dataset::Exposure { index, image: shot.image, facts, landmarks })?;
         progress.at(done + 1, todo.len());
     }
     seconds.rendering = lap(start);

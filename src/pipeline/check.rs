@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use super::{Error, Progress, body_frame, ground, kernels, motion, scene, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
+use crate::labels::{Origin, catalogue};
 use crate::raster;
-use crate::scenario::{self, Albedo, Dem, Scenario};
+use crate::scenario::{self, Albedo, CraterList, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
 /// What a check has found.
@@ -29,6 +30,11 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     if let Albedo::Map(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
+    }
+    for list in scenario.landmarks.iter().flat_map(|landmarks| &landmarks.lists) {
+        if let CraterList::File(path) = list {
+            problems.extend(catalogue::read(path, "", Origin::Catalogue).map_err(Error::from).err());
+        }
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();

@@ -26,6 +26,8 @@ pub enum Error {
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
     #[error(transparent)]
+    Craters(#[from] crate::labels::catalogue::Error),
+    #[error(transparent)]
     Render(#[from] crate::render::RenderError),
     #[error(transparent)]
     Dataset(#[from] crate::dataset::DatasetError),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::error::Fault;
 use super::presets;
 use super::resolve::Check;
-use super::resolved::{AutoExposure, Camera, Detector, Outputs};
+use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs, Preset};
 use super::spec::{self, Spec};
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::render::Quantity;
@@ -236,6 +236,29 @@ pub fn outputs(spec: &Spec, has_detector: bool, check: &mut Check) -> Outputs {
         check.rule(!counted || has_detector, &key, &name, "needs a detector");
     }
     spec.outputs.clone()
+}
+
+/// Lists that exist, of a terrain that has some.
+pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
+    let written = spec.landmarks.as_ref()?;
+    let at_once = matches!(spec.camera.shutter, None | Some(spec::Shutter::Global));
+    let of_a_frame = !matches!(spec.camera.preset, Some(Preset::LroNac | Preset::LroWac | Preset::KaguyaTc));
+    let needs = "needs a camera that exposes its rows at once: craters are projected from one pose";
+    check.needs(at_once && of_a_frame && spec.camera.isd.is_none(), "landmarks", needs);
+    let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let list = |(index, list): (usize, &spec::CraterList)| match list {
+        spec::CraterList::Terrain => {
+            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
+            CraterList::Terrain
+        }
+        spec::CraterList::File { path } => {
+            CraterList::File(check.file(&format!("landmarks.lists[{index}].path"), path))
+        }
+    };
+    let lists = written.lists.iter().enumerate().map(list).collect();
+    Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
 }
 
 fn snake_case(name: &str) -> String {

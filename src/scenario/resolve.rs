@@ -165,6 +165,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         camera,
         detector,
         exposures,
+        landmarks: camera::landmarks(spec, check),
         seed: spec.seed,
     }
 }

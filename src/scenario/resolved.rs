@@ -49,6 +49,8 @@ pub struct Scenario {
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
     pub outputs: Outputs,
+    /// `None`: no landmarks are written.
+    pub landmarks: Option<Landmarks>,
     pub seed: u64,
 }
 
@@ -231,6 +233,20 @@ impl Camera {
     pub fn longest_exposure_s(&self) -> f64 {
         self.auto_exposure.map_or(self.exposure_s, |auto| auto.longest_s)
     }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landmarks {
+    pub lists: Vec<CraterList>,
+    pub smallest_px: f64,
+    pub overlay: bool,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum CraterList {
+    /// Of the made models of the terrain.
+    Terrain,
+    File(PathBuf),
 }
 
 impl From<&spec::Photometry> for Photometry {

@@ -4,6 +4,7 @@ mod default_kernels;
 mod ephemeris;
 mod globe;
 mod horizon;
+mod labels;
 mod photometry;
 mod raster;
 mod render;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
-pub use output::{Detector, Outputs, Preview};
+pub use output::{CraterList, Detector, Landmarks, Outputs, Preview};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
@@ -75,6 +75,9 @@ pub struct Spec {
     /// What is written.
     #[serde(default)]
     pub outputs: Outputs,
+    /// Craters as ellipses and conics. Default: none.
+    #[serde(default)]
+    pub landmarks: Option<Landmarks>,
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,

@@ -72,6 +72,40 @@ impl Default for Outputs {
     }
 }
 
+/// Craters as ellipses and conics, image by image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Landmarks {
+    /// Where craters are listed. What an earlier list holds is left out of later ones.
+    #[schemars(length(min = 1, max = 16))]
+    pub lists: Vec<CraterList>,
+    /// Craters whose longest diameter is less in an image are left out of it.
+    #[schemars(range(min = 0.1, max = 65536.0))]
+    pub smallest_px: f64,
+    /// Writes each preview with the ellipses drawn over it.
+    pub overlay: bool,
+}
+
+impl Default for Landmarks {
+    fn default() -> Self {
+        Self { lists: vec![CraterList::Terrain], smallest_px: 5.0, overlay: false }
+    }
+}
+
+/// A list of craters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum CraterList {
+    /// Those that made terrain was given.
+    Terrain,
+    /// A catalogue in comma-separated values: the columns id, latitude_deg, longitude_deg, diameter_m and optionally
+    /// minor_diameter_m, azimuth_deg, depth_m, or those of Robbins (2019).
+    File {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
+}
+
 /// Scale of the preview images. It is the same for the whole sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
