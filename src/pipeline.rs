@@ -11,7 +11,7 @@
 pub mod auto;
 mod camera_record;
 mod check;
-mod error;
+pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 mod landmarks;

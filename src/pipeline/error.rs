@@ -56,3 +56,16 @@ pub enum Error {
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }
+
+/// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.
+macro_rules! wraps_stages {
+    ($error:ty: $($stage:ty),* $(,)?) => {$(
+        impl From<$stage> for $error {
+            fn from(error: $stage) -> Self {
+                Self::Pipeline(error.into())
+            }
+        }
+    )*};
+}
+
+pub(crate) use wraps_stages;
