@@ -11,14 +11,15 @@
 pub mod auto;
 mod camera_record;
 mod check;
+mod craters;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
-mod landmarks;
 pub mod motion;
 mod progress;
 mod record;
 pub mod scene;
+mod sequence;
 pub mod shot;
 pub mod swath;
 
@@ -37,7 +38,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
-use crate::labels::{self, Crater, Rim};
+use crate::labels::{Crater, Rim, landmarks};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
@@ -115,8 +116,9 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let craters = landmarks::craters(scenario, &mut ground, cache)?;
+    let craters = craters::of_lists(scenario, &mut ground, cache)?;
     let (exposures, motion) = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
@@ -271,14 +273,18 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 
     let start = Instant::now();
     let mut device = Duration::ZERO;
+    let mut labels = sequence::Labels::new(scenario);
     progress.begin("rendering", todo.len(), "exposures");
     for (done, &index) in todo.iter().enumerate() {
         let exposure = &prepared.exposures[index];
-        let shot = shot::take(scenario, &prepared, &scene, &imaging, renderer, exposure)?;
+        let mut shot = shot::take(scenario, &prepared, &scene, &imaging, renderer, exposure)?;
         device += shot.device;
+        if let Some(samples) = shot.samples.take() {
+            shot.image.planes.extend(labels.planes(&scene, renderer, &prepared.exposures, index, samples)?);
+        }
         let facts = record::facts(scenario, &prepared, &scene, &run, index, &shot);
         let wanted = scenario.landmarks.as_ref();
-        let landmarks = wanted.map(|it| labels::landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
+        let landmarks = wanted.map(|it| landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
         writer.submit(dataset::Exposure { index, image: shot.image, facts, landmarks })?;
         progress.at(done + 1, todo.len());
     }

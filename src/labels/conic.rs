@@ -39,16 +39,6 @@ pub struct Ellipse {
 }
 
 impl Conic {
-    /// How the unit circle of a plane appears. `None` where that is no ellipse, or the plane is seen from its side.
-    pub fn of_circle(image_from_plane: DMat3) -> Option<Self> {
-        if image_from_plane.determinant() == 0.0 {
-            return None;
-        }
-        let inverse = image_from_plane.inverse();
-        let conic = inverse.transpose() * DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)) * inverse;
-        Some(Self::from(&Ellipse::of(conic)?))
-    }
-
     fn matrix(&self) -> DMat3 {
         DMat3::from_cols_array_2d(&self.0)
     }
@@ -59,8 +49,9 @@ impl Conic {
         p.dot(self.matrix() * p)
     }
 
-    pub fn ellipse(&self) -> Ellipse {
-        Ellipse::of(self.matrix()).expect("conics are made of ellipses")
+    /// The same in parameters; `None` where rounding has made it none, as of an ellipse that is all but a line.
+    pub fn ellipse(&self) -> Option<Ellipse> {
+        Ellipse::of(self.matrix())
     }
 }
 
@@ -78,6 +69,20 @@ impl From<&Ellipse> for Conic {
 }
 
 impl Ellipse {
+    /// How the unit circle of a plane appears. `None` where that is no ellipse, or the plane is seen from its side.
+    pub fn of_circle(image_from_plane: DMat3) -> Option<Self> {
+        // About the image of the plane's origin, far from which small ellipses would lose their digits.
+        let origin = image_from_plane.z_axis.truncate() / image_from_plane.z_axis.z;
+        let about = DMat3::from_cols(DVec3::X, DVec3::Y, (-origin).extend(1.0)) * image_from_plane;
+        if about.determinant() == 0.0 {
+            return None;
+        }
+        let inverse = about.inverse();
+        let conic = inverse.transpose() * DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)) * inverse;
+        let ellipse = Self::of(conic)?;
+        Some(Self { centre_px: (DVec2::from(ellipse.centre_px) + origin).into(), ..ellipse })
+    }
+
     /// The ellipse of a conic of any scale; `None` where it is a parabola, a hyperbola, or empty.
     fn of(conic: DMat3) -> Option<Self> {
         let quadratic = DMat2::from_cols(conic.x_axis.truncate(), conic.y_axis.truncate());
@@ -105,9 +110,10 @@ impl Ellipse {
 
     /// What an affine map `linear p + offset` makes of it.
     pub fn moved(&self, linear: DMat2, offset: DVec2) -> Option<Self> {
-        let map = DMat3::from_cols(linear.x_axis.extend(0.0), linear.y_axis.extend(0.0), offset.extend(1.0));
-        let back = map.inverse();
-        Self::of(back.transpose() * Conic::from(self).matrix() * back)
+        let centre_px = (linear * DVec2::from(self.centre_px) + offset).into();
+        let about = Conic::from(&Self { centre_px: [0.0; 2], ..*self }).matrix();
+        let back = DMat3::from_mat2(linear.inverse());
+        Some(Self { centre_px, ..Self::of(back.transpose() * about * back)? })
     }
 
     /// The point at an angle of the circle that the ellipse is a squeezed one of.
@@ -134,7 +140,7 @@ mod tests {
 
     #[test]
     fn an_ellipse_comes_back_from_its_conic() {
-        let back = Conic::from(&ELLIPSE).ellipse();
+        let back = Conic::from(&ELLIPSE).ellipse().unwrap();
         assert!((DVec2::from(back.centre_px) - DVec2::from(ELLIPSE.centre_px)).length() < 1e-9, "{back:?}");
         assert!((back.semi_axes_px[0] - 40.0).abs() < 1e-9 && (back.semi_axes_px[1] - 12.5).abs() < 1e-9, "{back:?}");
         assert!((back.angle_rad - 2.1).abs() < 1e-12, "{back:?}");
@@ -151,6 +157,16 @@ mod tests {
         }
     }
 
+    /// A crater of 1 px in width and a thousandth of that in height, 10⁵ px off the image.
+    #[test]
+    fn thin_ellipses_far_away_keep_their_digits() {
+        let shift = DVec2::new(1e5, -2e4);
+        let plane = DMat3::from_cols(DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 5e-4, 0.0), shift.extend(1.0));
+        let ellipse = Ellipse::of_circle(plane).unwrap();
+        assert_eq!(ellipse.centre_px, [1e5, -2e4]);
+        assert!((ellipse.semi_axes_px[0] - 0.5).abs() < 1e-9 && (ellipse.semi_axes_px[1] - 5e-4).abs() < 1e-9);
+    }
+
     #[test]
     fn bounds_touch_the_ellipse() {
         let points: Vec<DVec2> = (0..3600).map(|k| ELLIPSE.at(f64::from(k) * PI / 1800.0)).collect();
@@ -164,9 +180,9 @@ mod tests {
     #[test]
     fn a_plane_seen_from_its_side_has_no_ellipse() {
         let flat = DMat3::from_cols(DVec3::X, 2.0 * DVec3::X, DVec3::Z);
-        assert_eq!(Conic::of_circle(flat), None);
+        assert_eq!(Ellipse::of_circle(flat), None);
         // The circle crosses the horizon of the image: a hyperbola.
         let steep = DMat3::from_cols(DVec3::X, DVec3::new(0.0, 0.0, 2.0), DVec3::new(0.0, 1.0, 1.0));
-        assert_eq!(Conic::of_circle(steep), None);
+        assert_eq!(Ellipse::of_circle(steep), None);
     }
 }

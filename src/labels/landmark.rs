@@ -149,7 +149,7 @@ pub fn project(scene: &Scene, view: &View, rim: &Rim) -> Option<(Ellipse, f64)> 
         [0.0, optics.focal_px.y, 0.0],
         [optics.principal_px.x, optics.principal_px.y, 1.0],
     ]);
-    let ideal = Conic::of_circle(intrinsic * DMat3::from_cols(u, w, centre))?.ellipse();
+    let ideal = Ellipse::of_circle(intrinsic * DMat3::from_cols(u, w, centre))?;
 
     let pair = |k: usize| {
         let turn_rad = TAU * k as f64 / LENS_POINTS as f64;

@@ -44,6 +44,10 @@ fn corrected(correction: Correction) -> (String, Vec<f64>) {
         Correction::AcrossTrack(k) => {
             ("from measured to ideal on the plane z = 1: x_ideal = x / (1 + k x^2), y_ideal = y".into(), vec![k])
         }
+        Correction::Added(c) => {
+            let model = "from measured to ideal on the plane z = 1: ideal = measured + c0 + c1 r + c2 r^2 + c3 r^3, x and y by turns";
+            (model.into(), c.iter().flat_map(|c| c.to_array()).collect())
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, scene, swath};
+use super::{Error, Progress, body_frame, ground, kernels, motion, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
@@ -95,7 +95,8 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         scenario::Shadows::Swath { azimuth_step_deg } => swath::plan(&surface, &exposures, azimuth_step_deg).err(),
         _ => None,
     };
-    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).collect()
+    let moves = sequence::check(scenario, &exposures).err();
+    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).collect()
 }
 
 fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {

@@ -53,6 +53,11 @@ pub enum Error {
          at most {allowed} are allowed; use Fourier, fewer exposures or a wider step"
     )]
     SwathTooWide { got: usize, step_deg: f64, allowed: usize },
+    #[error(
+        "outputs.planes: shadow_change needs a camera that stands still; before exposure {exposure} it moves by {moved_m:.3} m \
+         and turns by {turned_deg:.5} deg"
+    )]
+    CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }

@@ -4,13 +4,15 @@ use std::time::Duration;
 
 use super::{Error, Exposure, Prepared};
 use crate::camera::{Detector, Pose};
-use crate::render::{Image, Imaging, Renderer, Scene, Taken, Timing};
+use crate::render::{Image, Imaging, Renderer, Samples, Scene, Taken, Timing, planes};
 use crate::scenario::{AutoExposure, Scenario};
 
 /// An image and how it came about.
 #[derive(Debug)]
 pub struct Shot {
     pub image: Image,
+    /// Of the middle of the exposure, where all rows share it.
+    pub samples: Option<Samples>,
     /// The scenario's, or the one that was chosen.
     pub exposure_s: f64,
     /// Times from the epoch and poses of the image's bands, where there are several.
@@ -36,18 +38,12 @@ pub fn take(
     let auto = scenario.camera.auto_exposure;
     let exposure_s = scenario.camera.exposure_s;
     if imaging.is_plain() && auto.is_none() {
-        let image = renderer.render(scene, &exposure.view)?;
+        let samples = renderer.samples(scene, &exposure.view)?;
+        let image = planes::image(scene, &exposure.view, &samples);
         let device = renderer.device_time().unwrap_or_default();
+        let (samples, detector) = (Some(samples), scene.detector.clone());
         let (bands, first_rows, psf_cut_off) = (Vec::new(), Vec::new(), 0.0);
-        return Ok(Shot {
-            image,
-            exposure_s,
-            bands,
-            first_rows,
-            psf_cut_off,
-            detector: scene.detector.clone(),
-            device,
-        });
+        return Ok(Shot { image, samples, exposure_s, bands, first_rows, psf_cut_off, detector, device });
     }
     let mut device = Duration::ZERO;
     let mut light = |imaging: &Imaging, exposure_s: f64| -> Result<(Taken, Vec<Vec<Pose>>), Error> {
@@ -80,7 +76,8 @@ pub fn take(
     let image = taken.image(scene, detector.as_ref());
     let (first_rows, bands) = bands(&imaging.timing, &poses).into_iter().unzip();
     let psf_cut_off = imaging.psf.as_ref().map_or(0.0, |psf| psf.cut_off);
-    Ok(Shot { image, exposure_s, bands, first_rows, psf_cut_off, detector, device })
+    let samples = taken.into_samples();
+    Ok(Shot { image, samples, exposure_s, bands, first_rows, psf_cut_off, detector, device })
 }
 
 /// First rows, times and poses in the middle of the bands' exposures; none where there is but one band.

@@ -116,6 +116,11 @@ impl Taken {
         planes::focal_plane_irradiance(&self.parts())
     }
 
+    /// What was sampled, where all rows are exposed together.
+    pub fn into_samples(mut self) -> Option<Samples> {
+        if self.parts.len() == 1 { self.parts.pop().map(|part| part.samples) } else { None }
+    }
+
     fn parts(&self) -> Vec<Part<'_>> {
         self.parts.iter().map(OwnedPart::part).collect()
     }

@@ -16,7 +16,7 @@ pub mod view;
 pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
-pub use planes::Samples;
+pub use planes::{LIT_SHARE, Samples};
 pub use view::{Ambient, Light, Rays, Scene, Shadows, View};
 
 use std::time::Duration;

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use super::error::Fault;
 use super::presets;
 use super::resolve::Check;
-use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs, Preset};
+use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use crate::labels::Limits;
 use crate::render::Quantity;
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
@@ -226,7 +227,7 @@ fn detector(camera: &spec::Camera, detector: Option<Detector>, check: &mut Check
     Some(detector)
 }
 
-pub fn outputs(spec: &Spec, has_detector: bool, check: &mut Check) -> Outputs {
+pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Check) -> Outputs {
     let planes = &spec.outputs.planes;
     for (index, plane) in planes.iter().enumerate() {
         let (key, name) = (format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")));
@@ -234,17 +235,17 @@ pub fn outputs(spec: &Spec, has_detector: bool, check: &mut Check) -> Outputs {
         check.rule(!twice, &key, &name, "is listed twice");
         let counted = matches!(plane, Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber);
         check.rule(!counted || has_detector, &key, &name, "needs a detector");
+        let at_once = camera.shutter == Shutter::Global;
+        check.rule(!plane.is_label() || at_once, &key, &name, "needs a camera that exposes its rows at once");
     }
     spec.outputs.clone()
 }
 
 /// Lists that exist, of a terrain that has some.
-pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
+pub fn landmarks(spec: &Spec, camera: &Camera, check: &mut Check) -> Option<Landmarks> {
     let written = spec.landmarks.as_ref()?;
-    let at_once = matches!(spec.camera.shutter, None | Some(spec::Shutter::Global));
-    let of_a_frame = !matches!(spec.camera.preset, Some(Preset::LroNac | Preset::LroWac | Preset::KaguyaTc));
     let needs = "needs a camera that exposes its rows at once: craters are projected from one pose";
-    check.needs(at_once && of_a_frame && spec.camera.isd.is_none(), "landmarks", needs);
+    check.needs(camera.shutter == Shutter::Global, "landmarks", needs);
     let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
     let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
     let list = |(index, list): (usize, &spec::CraterList)| match list {
@@ -259,6 +260,11 @@ pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
     };
     let lists = written.lists.iter().enumerate().map(list).collect();
     Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
+}
+
+pub fn hazards(written: &spec::Hazards) -> Limits {
+    let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
+    Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
 }
 
 fn snake_case(name: &str) -> String {

@@ -135,6 +135,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
     let (camera, detector) = camera::camera(spec, check);
     let exposures = motion::exposures(&spec.exposures, &camera, check);
+    let landmarks = camera::landmarks(spec, &camera, check);
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
@@ -161,11 +162,12 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         ambient: spec.ambient,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
-        outputs: camera::outputs(spec, detector.is_some(), check),
+        outputs: camera::outputs(spec, &camera, detector.is_some(), check),
         camera,
         detector,
         exposures,
-        landmarks: camera::landmarks(spec, check),
+        landmarks,
+        hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
     }
 }

@@ -51,6 +51,7 @@ pub struct Scenario {
     pub outputs: Outputs,
     /// `None`: no landmarks are written.
     pub landmarks: Option<Landmarks>,
+    pub hazards: crate::labels::Limits,
     pub seed: u64,
 }
 

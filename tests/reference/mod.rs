@@ -2,7 +2,9 @@
 
 mod default_kernels;
 mod ephemeris;
+mod flow;
 mod globe;
+mod hazards;
 mod horizon;
 mod labels;
 mod photometry;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
-pub use output::{CraterList, Detector, Landmarks, Outputs, Preview};
+pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
@@ -78,6 +78,9 @@ pub struct Spec {
     /// Craters as ellipses and conics. Default: none.
     #[serde(default)]
     pub landmarks: Option<Landmarks>,
+    /// A lander, for the planes hazard_….
+    #[serde(default)]
+    pub hazards: Hazards,
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,

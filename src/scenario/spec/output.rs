@@ -51,7 +51,7 @@ pub struct Detector {
 #[serde(deny_unknown_fields, default)]
 pub struct Outputs {
     /// Planes of each image.
-    #[schemars(length(min = 1, max = 17))]
+    #[schemars(length(min = 1, max = 64))]
     pub planes: Vec<Quantity>,
     /// Writes the planes as float TIFF too, one page each; OpenEXR is always written.
     pub tiff: bool,
@@ -89,6 +89,31 @@ pub struct Landmarks {
 impl Default for Landmarks {
     fn default() -> Self {
         Self { lists: vec![CraterList::Terrain], smallest_px: 5.0, overlay: false }
+    }
+}
+
+/// A lander: what the planes hazard_slope, hazard_roughness, hazard_sunlit and hazard refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Hazards {
+    /// Diameter of the disc that it stands on.
+    #[schemars(range(min = 0.01, max = 100_000.0))]
+    pub footprint_m: f64,
+    /// Steepest ground that it stands.
+    #[schemars(range(min = 0.0, max = 90.0))]
+    pub slope_deg: f64,
+    /// Highest rock, or deepest hole, against the plane of the ground.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub roughness_m: f64,
+    /// Least mean share of the Sun's disc over the footprint. 0: light does not matter.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub sunlit_share: f64,
+}
+
+/// 0.3 m and 5 to 10° are what ALHAT looks for (Epp & Smith 2007, doi:10.1109/AERO.2007.352724).
+impl Default for Hazards {
+    fn default() -> Self {
+        Self { footprint_m: 10.0, slope_deg: 10.0, roughness_m: 0.3, sunlit_share: 0.0 }
     }
 }
 

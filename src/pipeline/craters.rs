@@ -9,7 +9,7 @@ use crate::raster;
 use crate::scenario::{CraterList, Dem, Scenario};
 
 /// The craters of all lists with their rims. Catalogues join the ground's inputs.
-pub fn craters(scenario: &Scenario, ground: &mut ground::Ground, cache: &Path) -> Result<Vec<(Crater, Rim)>, Error> {
+pub fn of_lists(scenario: &Scenario, ground: &mut ground::Ground, cache: &Path) -> Result<Vec<(Crater, Rim)>, Error> {
     use rayon::prelude::*;
     let (body, lists) = (&scenario.body, scenario.landmarks.as_ref().map_or(&[][..], |landmarks| &landmarks.lists));
     let mut read = Vec::new();
