@@ -15,12 +15,15 @@ mod craters;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
+mod images;
 pub mod motion;
+mod ortho;
 mod progress;
 mod record;
 pub mod scene;
 mod sequence;
 pub mod shot;
+mod split;
 pub mod swath;
 
 use std::ops::Range;
@@ -38,7 +41,7 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
-use crate::labels::{Crater, Rim, landmarks};
+use crate::labels::{Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
@@ -83,6 +86,19 @@ pub struct Report {
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
     pub device_seconds: Option<f64>,
+    pub stages: Stages,
+}
+
+/// How long the stages of the images took, in seconds: each on its own threads, beside the others.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Stages {
+    /// Rays, on the device or the host, and their way back to the host.
+    pub samples: f64,
+    /// Planes from them, maps and records.
+    pub planes: f64,
+    /// Compression and hashes.
+    pub encoding: f64,
+    pub writing: f64,
 }
 
 /// Where the time went.
@@ -100,8 +116,12 @@ pub struct Prepared {
     pub almanac: Almanac,
     pub frame: BodyFrame,
     pub ground: ground::Ground,
+    /// The scenario at each point of its sweep; one without a sweep.
+    pub points: Vec<Scenario>,
+    pub sweep: Option<scenario::Sweep>,
     pub exposures: Vec<Exposure>,
-    pub motion: motion::Motion,
+    /// Of each point of the sweep.
+    pub motions: Vec<motion::Motion>,
     pub shadows: auto::Choice,
     /// With their rims; empty where the scenario asks for no landmarks.
     pub craters: Vec<(Crater, Rim)>,
@@ -117,13 +137,23 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
     let craters = craters::of_lists(scenario, &mut ground, cache)?;
-    let (exposures, motion) = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    let points = points(scenario);
+    for point in &points {
+        scene::reflectance(point)?;
+        scene::detector(point)?;
+    }
+    let (exposures, motions) = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
     sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, motion, shadows, craters })
+    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
+}
+
+/// The scenario at each point of its sweep.
+fn points(scenario: &Scenario) -> Vec<Scenario> {
+    (0..scenario.points()).map(|point| scenario.at_point(point)).collect()
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -156,6 +186,9 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     }
     if let Some(kernel) = &scenario.camera.kernel {
         inputs.push(("psf", kernel.as_path()));
+    }
+    if let scenario::Towards::Aem { path } = &scenario.pointing.towards {
+        inputs.push(("attitude", path.as_path()));
     }
     inputs
 }
@@ -250,7 +283,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     }
     seconds.terrain = lap(start);
     let start = Instant::now();
-    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let mut scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
     let imaging = scene::imaging(scenario)?;
 
@@ -267,27 +300,14 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         animation: scenario.outputs.animation,
         overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
+        formats: scenario.outputs.formats.clone(),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
     let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
 
     let start = Instant::now();
-    let mut device = Duration::ZERO;
-    let mut labels = sequence::Labels::new(scenario);
     progress.begin("rendering", todo.len(), "exposures");
-    for (done, &index) in todo.iter().enumerate() {
-        let exposure = &prepared.exposures[index];
-        let mut shot = shot::take(scenario, &prepared, &scene, &imaging, renderer, exposure)?;
-        device += shot.device;
-        if let Some(samples) = shot.samples.take() {
-            shot.image.planes.extend(labels.planes(&scene, renderer, &prepared.exposures, index, samples)?);
-        }
-        let facts = record::facts(scenario, &prepared, &scene, &run, index, &shot);
-        let wanted = scenario.landmarks.as_ref();
-        let landmarks = wanted.map(|it| landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
-        writer.submit(dataset::Exposure { index, image: shot.image, facts, landmarks })?;
-        progress.at(done + 1, todo.len());
-    }
+    let spent = images::render(&prepared, &mut scene, &imaging, &run, renderer, &mut writer, &todo, progress)?;
     seconds.rendering = lap(start);
     let start = Instant::now();
     progress.begin("writing previews", 1, "sequence");
@@ -299,7 +319,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         exposures: summary.exposures,
         rendered: todo.len(),
         seconds,
-        device_seconds: (device > Duration::ZERO).then_some(device.as_secs_f64()),
+        device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
+        stages: Stages {
+            samples: spent.samples.as_secs_f64(),
+            planes: spent.planes.as_secs_f64(),
+            encoding: summary.spent.encoding.as_secs_f64(),
+            writing: summary.spent.writing.as_secs_f64(),
+        },
     })
 }
 
@@ -308,7 +334,7 @@ fn lap(start: Instant) -> f64 {
 }
 
 fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
-    let count = scenario.exposures.len();
+    let count = scenario.images();
     let range = options.exposures.clone().unwrap_or(0..count);
     if range.is_empty() || range.end > count {
         return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });

@@ -6,7 +6,7 @@ use clap::Subcommand;
 use perilune::evaluate::illumination::percentages;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, frame, horizons, shadows, stability};
+use perilune::evaluate::{Report, dataset, frame, horizons, shadows, stability};
 
 use super::Outcome;
 use super::bars::Bars;
@@ -38,6 +38,16 @@ enum Bench {
         /// Times that each exposure is rendered
         #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
         repeat: usize,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// How fast a dataset is made beside how fast its images are rendered, with the time of each stage.
+    Dataset {
+        #[command(flatten)]
+        scene: Scene,
+        /// Exposures A to B−1, counted from 0, written A..B [default: the first six]
+        #[arg(long, value_parser = exposures)]
+        frames: Option<std::ops::Range<usize>>,
         #[command(flatten)]
         output: Output,
     },
@@ -132,6 +142,10 @@ pub fn run(args: Args) -> Outcome {
         Bench::Frame { scene, frames, repeat, output } => {
             let options = frame::Options { exposures: frames, repeat, cache: scene.files.cache.clone() };
             (frame::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
+        }
+        Bench::Dataset { scene, frames, output } => {
+            let options = dataset::Options { exposures: frames, cache: scene.files.cache.clone() };
+            (dataset::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
         }
         Bench::Shadows { scene, exposure, size, elevations, repeat, quick, methods, output } => {
             let (pixels, elevations) = if quick { (256, Some(QUICK_DEG.to_vec())) } else { (size, elevations) };

@@ -121,7 +121,8 @@ fn shared_pose_error_px(
     let pieces = scenario.camera.shutter.pieces(scenario.camera.rows);
     let off = |(band, (time_s, pose)): (&crate::camera::Band, &(f64, Pose))| {
         let pixel = DVec2::new(0.5 * (f64::from(scene.optics.columns) - 1.0), band.first_row as f64);
-        let Prepared { motion, almanac, frame, .. } = prepared;
+        let Prepared { motions, almanac, frame, .. } = prepared;
+        let motion = &motions[exposure.point];
         let ends = [-block_s, block_s].map(|end| motion.pose(almanac, frame, exposure.epoch, time_s + end).ok());
         let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, &scene.optics, pixel, pose, &own));
         moved.fold(0.0, f64::max)

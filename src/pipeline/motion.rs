@@ -4,6 +4,7 @@ use hifitime::{Epoch, Unit};
 
 use super::{Error, scene};
 use crate::camera::Pose;
+use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
@@ -16,16 +17,20 @@ use crate::terrain::Surface;
 /// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees at that instant.
 #[derive(Debug, Clone)]
 pub struct Exposure {
+    /// Of the scenario's sweep, counted from 0.
+    pub point: usize,
     pub epoch: Epoch,
+    /// Of the camera, against the turning body.
+    pub velocity_m_s: glam::DVec3,
     pub sun: Source,
     pub view: View,
 }
 
-/// Where the camera is at any epoch.
+/// Where the camera is at any epoch, and how it is turned.
 #[derive(Debug)]
 pub struct Motion {
     trajectory: Path,
-    pointing: Pointing,
+    pointing: Attitude,
 }
 
 /// Where it comes from.
@@ -36,22 +41,42 @@ enum Path {
     Poses(Vec<(f64, Pose)>),
 }
 
-/// All exposures of a scenario, before any of them is rendered, and the camera's motion.
+/// All exposures of a scenario at all points of its sweep, before any of them is rendered, and each point's motion.
 pub fn exposures(
-    scenario: &Scenario,
+    points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<(Vec<Exposure>, Motion), Error> {
-    let (outcomes, motion) = outcomes(scenario, almanac, frame, surface, centre)?;
-    Ok((outcomes.into_iter().collect::<Result<_, _>>()?, motion))
+) -> Result<(Vec<Exposure>, Vec<Motion>), Error> {
+    let (outcomes, motions) = outcomes(points, almanac, frame, surface, centre)?;
+    Ok((outcomes.into_iter().collect::<Result<_, _>>()?, motions))
 }
 
 /// As [`exposures`], each with what stands against it.
 #[allow(clippy::type_complexity)]
 pub fn outcomes(
+    points: &[Scenario],
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<(Vec<Result<Exposure, Error>>, Vec<Motion>), Error> {
+    let (mut all, mut motions) = (Vec::new(), Vec::new());
+    for (point, scenario) in points.iter().enumerate() {
+        let first = all.len();
+        let (outcomes, motion) = of_point(scenario, [point, first], almanac, frame, surface, centre)?;
+        all.extend(outcomes);
+        motions.push(motion);
+    }
+    Ok((all, motions))
+}
+
+/// The exposures at a point, the first of which is the dataset's `first`.
+#[allow(clippy::type_complexity)]
+fn of_point(
     scenario: &Scenario,
+    [point, first]: [usize; 2],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
@@ -61,15 +86,16 @@ pub fn outcomes(
     let reference = frame.body.position_from_geodetic(centre);
     let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
     let exposure = |(index, &epoch): (usize, &Epoch)| {
+        let index = first + index;
         // The middle last: it is the view's. Poses in between are met while rendering, within the same spans.
         let ends = if reach_s > 0.0 { vec![-reach_s, reach_s, 0.0] } else { vec![0.0] };
-        let mut pose = None;
+        let mut middle = None;
         for offset_s in ends {
-            let here = motion.pose(almanac, frame, epoch, offset_s)?;
-            check_clearance(surface, index, epoch, here.position)?;
-            pose = Some(here);
+            let here = motion.state(almanac, frame, epoch, offset_s)?;
+            check_clearance(surface, index, epoch, here.0.position)?;
+            middle = Some(here);
         }
-        let pose = pose.expect("the middle is among the ends");
+        let (pose, velocity_m_s) = middle.expect("the middle is among the ends");
         let sun = sun(scenario, almanac, frame, centre, epoch)?;
         let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
         if let Some(albedo) = scenario.earthshine_albedo {
@@ -77,7 +103,7 @@ pub fn outcomes(
         }
         let (camera_position, camera_from_body) = (pose.position, pose.camera_from_body);
         let view = View { exposure: index as u64, camera_position, camera_from_body, lights };
-        Ok(Exposure { epoch, sun, view })
+        Ok(Exposure { point, epoch, velocity_m_s, sun, view })
     };
     Ok((scenario.exposures.iter().enumerate().map(exposure).collect(), motion))
 }
@@ -97,14 +123,28 @@ impl Motion {
 
     /// The pose at a time from an exposure's epoch.
     pub fn pose(&self, almanac: &Almanac, frame: &BodyFrame, epoch: Epoch, offset_s: f64) -> Result<Pose, Error> {
+        Ok(self.state(almanac, frame, epoch, offset_s)?.0)
+    }
+
+    /// The same with the velocity against the turning body, in m/s.
+    fn state(
+        &self,
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        epoch: Epoch,
+        offset_s: f64,
+    ) -> Result<(Pose, glam::DVec3), Error> {
         let trajectory = match &self.trajectory {
             Path::Trajectory(trajectory) => trajectory,
-            Path::Poses(poses) => return Ok(nearest(poses, offset_s)),
+            Path::Poses(poses) => return Ok((nearest(poses, offset_s), mean_velocity_m_s(poses))),
         };
         let epoch = if offset_s == 0.0 { epoch } else { epoch + offset_s * Unit::Second };
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
-        let camera_from_body = self.pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
-        Ok(Pose { position, camera_from_body })
+        let camera_from_body = match &self.pointing {
+            Attitude::Law(law) => law.camera_from_body(&frame.body, epoch, position, velocity_m_s)?,
+            Attitude::Message(message) => message.camera_from_body(almanac, frame, epoch)?,
+        };
+        Ok((Pose { position, camera_from_body }, velocity_m_s))
     }
 
     /// Poses at times from an exposure's epoch: of each band, of each moment.
@@ -118,6 +158,12 @@ impl Motion {
         let of_band = |times: &Vec<f64>| times.iter().map(|&time| self.pose(almanac, frame, epoch, time)).collect();
         times_s.iter().map(of_band).collect()
     }
+}
+
+/// From the first pose to the last; none of a camera that has but one.
+fn mean_velocity_m_s(poses: &[(f64, Pose)]) -> glam::DVec3 {
+    let [(from_s, from), .., (until_s, until)] = poses else { return glam::DVec3::ZERO };
+    (until.position.vector_m() - from.position.vector_m()) / (until_s - from_s)
 }
 
 /// The one whose time is nearest: bands are asked for at their own times, the image's middle between two of them.
@@ -251,7 +297,14 @@ fn trajectory(
     })
 }
 
-fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
+/// Where the camera looks.
+#[derive(Debug)]
+enum Attitude {
+    Law(Pointing),
+    Message(Aem),
+}
+
+fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Attitude, Error> {
     let roll_rad = scenario.pointing.roll_rad;
     let top = |default: Top| match scenario.pointing.top {
         None => default,
@@ -259,7 +312,7 @@ fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result
         Some(scenario::Top::Velocity) => Top::Velocity,
         Some(scenario::Top::Up) => Top::Up,
     };
-    Ok(match &scenario.pointing.towards {
+    Ok(Attitude::Law(match &scenario.pointing.towards {
         Towards::Nadir => Pointing::Nadir { top: top(Top::North), roll_rad },
         Towards::AlongVelocity => Pointing::AlongVelocity { top: top(Top::Up), roll_rad },
         Towards::At { point, height_above } => {
@@ -278,5 +331,6 @@ fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result
                 _ => Pointing::Table(AttitudeTable::new(start, &rows)?),
             }
         }
-    })
+        Towards::Aem { path } => return Ok(Attitude::Message(Aem::read(path)?)),
+    }))
 }

@@ -2,14 +2,14 @@
 
 use super::ground::file_name;
 use super::shot::Shot;
-use super::{Prepared, scene};
+use super::{Prepared, scene, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
-    SoftwareRecord, SunRecord, White,
+    SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::render::{Image, Quantity, Scene};
-use crate::scenario::{Albedo, Preview, Scenario};
+use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
 pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Run {
@@ -45,6 +45,16 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     }
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
+    }
+    if let Some(sweep) = &scenario.sweep {
+        let values = |point: &Point| point.0.iter().map(|(_, value)| *value).collect::<Vec<f64>>();
+        let varied: Vec<&str> =
+            sweep.points.iter().take(1).flat_map(|point| &point.0).map(|(key, _)| key.key()).collect();
+        let points: Vec<Vec<f64>> = sweep.points.iter().map(values).collect();
+        settings["sweep"] = serde_json::json!({ "design": sweep.written.design, "varied": varied, "points": points });
+    }
+    if let Some(split) = &scenario.split {
+        settings["split"] = serde_json::json!(split);
     }
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
@@ -83,12 +93,21 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run, index: usize, shot: &Shot) -> Facts {
-    let image = &shot.image;
+pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image, shot: &Shot) -> Facts {
     let exposure = &prepared.exposures[index];
+    let scenario = &prepared.points[exposure.point];
     let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
+        sweep: prepared.sweep.as_ref().map(|sweep| SweepRecord {
+            point: exposure.point,
+            values: sweep.points[exposure.point]
+                .0
+                .iter()
+                .map(|(varied, value)| (varied.key().into(), *value))
+                .collect(),
+        }),
+        split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
         camera: super::camera_record::camera(scenario, prepared, scene, shot, exposure),
@@ -108,11 +127,13 @@ pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run,
 }
 
 fn pose(prepared: &Prepared, index: usize, shot: &Shot) -> PoseRecord {
-    let view = &prepared.exposures[index].view;
+    let exposure = &prepared.exposures[index];
+    let view = &exposure.view;
     let q = view.camera_from_body.quaternion();
     let place = prepared.frame.body.geodetic_from_position(view.camera_position);
     PoseRecord {
         r_body_fixed_m: view.camera_position.vector_m().to_array(),
+        v_body_fixed_m_s: exposure.velocity_m_s.to_array(),
         q_wxyz: [q.w, q.x, q.y, q.z],
         latitude_deg: place.latitude_rad.to_degrees(),
         longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),

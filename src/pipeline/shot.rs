@@ -1,83 +1,73 @@
 //! One image: poses over its exposure, light, exposure time, detector.
 
-use std::time::Duration;
-
 use super::{Error, Exposure, Prepared};
 use crate::camera::{Detector, Pose};
-use crate::render::{Image, Imaging, Renderer, Samples, Scene, Taken, Timing, planes};
-use crate::scenario::{AutoExposure, Scenario};
+use crate::render::{Image, Imaging, Renderer, Scene, Taken, Timing};
+use crate::scenario::AutoExposure;
 
-/// An image and how it came about.
+/// An image's light, and how it came about.
 #[derive(Debug)]
 pub struct Shot {
-    pub image: Image,
-    /// Of the middle of the exposure, where all rows share it.
-    pub samples: Option<Samples>,
+    pub taken: Taken,
     /// The scenario's, or the one that was chosen.
     pub exposure_s: f64,
     /// Times from the epoch and poses of the image's bands, where there are several.
     pub bands: Vec<(f64, Pose)>,
     /// Rows of the image at which they begin.
     pub first_rows: Vec<usize>,
+    /// Of the lens's spreads.
     pub psf_cut_off: f64,
     /// With the exposure.
     pub detector: Option<Detector>,
-    /// What the device spent, where it can tell.
-    pub device: Duration,
 }
 
-/// Takes an exposure of the scenario.
+impl Shot {
+    /// What the detector makes of it.
+    pub fn image(&self, scene: &Scene) -> Image {
+        self.taken.image(scene, self.detector.as_ref())
+    }
+}
+
+/// Takes an exposure.
 pub fn take(
-    scenario: &Scenario,
     prepared: &Prepared,
     scene: &Scene,
     imaging: &Imaging,
     renderer: &mut dyn Renderer,
     exposure: &Exposure,
 ) -> Result<Shot, Error> {
-    let auto = scenario.camera.auto_exposure;
-    let exposure_s = scenario.camera.exposure_s;
-    if imaging.is_plain() && auto.is_none() {
-        let samples = renderer.samples(scene, &exposure.view)?;
-        let image = planes::image(scene, &exposure.view, &samples);
-        let device = renderer.device_time().unwrap_or_default();
-        let (samples, detector) = (Some(samples), scene.detector.clone());
-        let (bands, first_rows, psf_cut_off) = (Vec::new(), Vec::new(), 0.0);
-        return Ok(Shot { image, samples, exposure_s, bands, first_rows, psf_cut_off, detector, device });
-    }
-    let mut device = Duration::ZERO;
-    let mut light = |imaging: &Imaging, exposure_s: f64| -> Result<(Taken, Vec<Vec<Pose>>), Error> {
-        let times_s = imaging.timing.times_s(exposure_s);
-        let poses = prepared.motion.poses(&prepared.almanac, &prepared.frame, exposure.epoch, &times_s)?;
-        let taken = imaging.take(renderer, scene, &exposure.view, &poses)?;
-        device += taken.device;
-        Ok((taken, poses))
+    let Prepared { almanac, frame, points, motions, .. } = prepared;
+    let (scenario, motion) = (&points[exposure.point], &motions[exposure.point]);
+    let detector = super::scene::detector(scenario)?;
+    let mut light = |timing: Timing, exposure_s: f64| -> Result<(Taken, Vec<Vec<Pose>>), Error> {
+        let imaging = Imaging { timing, ..imaging.clone() };
+        let poses = motion.poses(almanac, frame, exposure.epoch, &timing.times_s(exposure_s))?;
+        Ok((imaging.take(renderer, scene, &exposure.view, &poses)?, poses))
     };
-    let metered = auto.zip(scene.detector.as_ref());
-    let still = Imaging { timing: Timing { moments: 1, ..imaging.timing }, ..imaging.clone() };
-    let (taken, poses, exposure_s) = match metered {
+    let (timing, written_s) = (imaging.timing, scenario.camera.exposure_s);
+    let (taken, poses, exposure_s) = match scenario.camera.auto_exposure.zip(detector.as_ref()) {
         None => {
-            let (taken, poses) = light(imaging, exposure_s)?;
-            (taken, poses, exposure_s)
+            let (taken, poses) = light(timing, written_s)?;
+            (taken, poses, written_s)
         }
         Some((auto, detector)) => {
             // Light without motion blur tells the time; blur then lasts as long as that.
-            let (taken, poses) = light(&still, exposure_s)?;
-            let chosen_s = chosen_s(&auto, detector, taken.focal_plane_irradiance());
-            if imaging.timing.moments == 1 {
-                (taken, poses, chosen_s)
+            let (still, poses) = light(Timing { moments: 1, ..timing }, written_s)?;
+            let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance());
+            if timing.moments == 1 {
+                (still, poses, chosen_s)
             } else {
-                let (taken, poses) = light(imaging, chosen_s)?;
+                let device = still.device;
+                let (mut taken, poses) = light(timing, chosen_s)?;
+                taken.device += device;
                 (taken, poses, chosen_s)
             }
         }
     };
-    let detector = scene.detector.as_ref().map(|detector| Detector { exposure_s, ..detector.clone() });
-    let image = taken.image(scene, detector.as_ref());
-    let (first_rows, bands) = bands(&imaging.timing, &poses).into_iter().unzip();
+    let (first_rows, bands) = bands(&timing, &poses).into_iter().unzip();
     let psf_cut_off = imaging.psf.as_ref().map_or(0.0, |psf| psf.cut_off);
-    let samples = taken.into_samples();
-    Ok(Shot { image, samples, exposure_s, bands, first_rows, psf_cut_off, detector, device })
+    let detector = detector.map(|detector| Detector { exposure_s, ..detector });
+    Ok(Shot { taken, exposure_s, bands, first_rows, psf_cut_off, detector })
 }
 
 /// First rows, times and poses in the middle of the bands' exposures; none where there is but one band.

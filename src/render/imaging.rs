@@ -61,11 +61,6 @@ impl OwnedPart {
 }
 
 impl Imaging {
-    /// True where one view and its samples are the image.
-    pub fn is_plain(&self) -> bool {
-        self.timing.shutter == Shutter::Global && self.psf.is_none() && self.timing.moments == 1
-    }
-
     /// Takes the image of a view from the poses of each band's moments; exposure and lights are the view's.
     pub fn take(
         &self,
@@ -117,8 +112,11 @@ impl Taken {
     }
 
     /// What was sampled, where all rows are exposed together.
-    pub fn into_samples(mut self) -> Option<Samples> {
-        if self.parts.len() == 1 { self.parts.pop().map(|part| part.samples) } else { None }
+    pub fn samples(&self) -> Option<&Samples> {
+        match &self.parts[..] {
+            [whole] => Some(&whole.samples),
+            _ => None,
+        }
     }
 
     fn parts(&self) -> Vec<Part<'_>> {

@@ -25,7 +25,8 @@ use crate::gpu::GpuError;
 use crate::horizon::Encoding;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
-/// view on: another scene, or another number of lights, wants another renderer.
+/// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
+/// may change between views.
 pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;

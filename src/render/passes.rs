@@ -59,7 +59,6 @@ struct Prepared {
     constants: Vec<(&'static str, f64)>,
     programs: Vec<Program>,
     tables: Vec<Table>,
-    reflectance: Buffer,
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
@@ -155,7 +154,6 @@ impl Prepared {
             constants,
             programs: Vec::new(),
             tables: Vec::new(),
-            reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
@@ -214,6 +212,8 @@ impl Prepared {
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
+        // A sweep varies the albedo between views.
+        let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let table = &self.tables[table];
         let pipeline = &self.programs[table.program].pipeline;
@@ -230,7 +230,7 @@ impl Prepared {
                 &faces,
                 &levels,
                 &lights,
-                &self.reflectance,
+                &reflectance,
                 &self.disk_tables,
                 &self.ground.heights,
                 &self.ground.gradients[0],

@@ -8,6 +8,7 @@ use super::resolve::Check;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use crate::dataset::Format;
 use crate::labels::Limits;
 use crate::render::Quantity;
 
@@ -237,6 +238,21 @@ pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Che
         check.rule(!counted || has_detector, &key, &name, "needs a detector");
         let at_once = camera.shutter == Shutter::Global;
         check.rule(!plane.is_label() || at_once, &key, &name, "needs a camera that exposes its rows at once");
+    }
+    let formats = &spec.outputs.formats;
+    for (index, format) in formats.iter().enumerate() {
+        let twice = formats[..index].contains(format);
+        let key = format!("outputs.formats[{index}]");
+        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
+        let on_map = matches!(format, Format::GeoTiff);
+        let at_once = camera.shutter == Shutter::Global;
+        check.needs(
+            !on_map || at_once,
+            &key,
+            "needs a camera that exposes its rows at once: it is projected from one pose",
+        );
+        check.needs(!of_craters || spec.landmarks.is_some(), &key, "needs landmarks, which it lists");
     }
     spec.outputs.clone()
 }

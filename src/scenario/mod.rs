@@ -20,6 +20,7 @@ mod presets;
 mod resolve;
 mod resolved;
 mod structure;
+mod sweep;
 mod tree;
 mod world;
 
@@ -32,3 +33,4 @@ pub use resolve::{About, load, resolve};
 pub use resolved::*;
 pub use spec::Spec;
 pub use structure::schema;
+pub use sweep::{Point, Sweep, Varied};

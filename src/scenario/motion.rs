@@ -162,6 +162,7 @@ pub fn pointing(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Pointing
             Towards::Table(vec![(exposures.first().copied().unwrap_or_default(), attitude)])
         }
         spec::Towards::Table { points } => table(points, exposures, check),
+        spec::Towards::Aem { path } => Towards::Aem { path: check.file("pointing.towards.path", path) },
     };
     let turned = matches!(towards, Towards::Table(_));
     check.needs(!turned || written.top.is_none(), "pointing.top", "has no meaning with a fixed attitude");

@@ -7,7 +7,7 @@ use super::files::{Found, Places};
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::tree::{self, Node, Place};
-use super::{camera, motion, structure, world};
+use super::{camera, motion, structure, sweep, world};
 
 /// Says what a file is and where it can be had, by its name.
 pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -143,7 +143,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         "refine",
         "needs shadows: Fourier or Baked, whose errors are known",
     );
-    Scenario {
+    let mut scenario = Scenario {
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
         text: text.into(),
@@ -167,7 +167,11 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         detector,
         exposures,
         landmarks,
+        sweep: None,
+        split: spec.split.inspect(|split| sweep::check_split(split, check)),
         hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
-    }
+    };
+    scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));
+    scenario
 }

@@ -6,12 +6,14 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
+use super::sweep::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 
 pub use super::spec::{
-    Ambient, AutoExposure, Detector, Distortion, HeightAbove, Outputs, Preset, Preview, Shadows, Sky, Top, Values,
+    Ambient, AutoExposure, Detector, Distortion, HeightAbove, Outputs, Preset, Preview, Shadows, Sky, Split, Top,
+    Values,
 };
 
 /// All that a run needs, as plain values.
@@ -48,6 +50,9 @@ pub struct Scenario {
     pub detector: Option<Detector>,
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
+    /// `None`: the exposures are made once.
+    pub sweep: Option<Sweep>,
+    pub split: Option<Split>,
     pub outputs: Outputs,
     /// `None`: no landmarks are written.
     pub landmarks: Option<Landmarks>,
@@ -193,6 +198,9 @@ pub enum Towards {
     AlongVelocity,
     /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
     Table(Vec<(Epoch, DQuat)>),
+    Aem {
+        path: PathBuf,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

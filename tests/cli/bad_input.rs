@@ -43,7 +43,8 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
         "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
-         frame, horizon, kernels, outputs, pointing, refine, seed, shadows, sun, surface, terrain, title, trajectory",
+         frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
+         trajectory",
     ),
     Case(
         "runs of too many mips",
@@ -95,13 +96,13 @@ const STRUCTURE: &[Case] = &[
         "text for an enum",
         "towards: Nadir",
         "towards: \"Nadir\"",
-        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table",
+        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem",
     ),
     Case(
         "misspelt variant",
         "towards: Nadir",
         "towards: Nadier",
-        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table; did you mean \
+        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem; did you mean \
          Nadir?",
     ),
     Case(
@@ -230,6 +231,49 @@ const RANGES: &[Case] = &[
 ];
 
 const MEANING: &[Case] = &[
+    Case(
+        "a format twice",
+        "planes: [radiance, depth]",
+        "formats: [Fits, Npz, Fits]",
+        "12:36: outputs.formats[2] = Fits is listed twice",
+    ),
+    Case(
+        "a sweep of nothing",
+        "pointing:",
+        "sweep: (design: Grid),\n    pointing:",
+        "9:12: sweep needs something that varies, as in sun_azimuth_deg: Range(from: 0, to: 360)",
+    ),
+    Case(
+        "a sweep of a Sun that the kernels place",
+        "pointing:",
+        "sweep: (design: Grid, sun_azimuth_deg: Values([10])),\n    pointing:",
+        "9:44: sweep.sun_azimuth_deg needs sun.fixed, which says the rest of where the Sun stands",
+    ),
+    Case(
+        "a grid without values",
+        "pointing:",
+        "sweep: (design: Grid, albedo: Range(from: 0.1, to: 0.2)),\n    pointing:",
+        "9:35: sweep.albedo needs Values or Steps: a grid has points at given values only",
+    ),
+    Case(
+        "an albedo above 1",
+        "pointing:",
+        "sweep: (design: Uniform(count: 3), albedo: Range(from: 0.1, to: 1.2)),\n    pointing:",
+        "9:48: sweep.albedo = 0.1 to 1.2 is not within [0, 1]",
+    ),
+    Case(
+        "a sweep without end",
+        "pointing:",
+        "sweep: (design: Grid, north_m: Steps(from: 0, to: 1, count: 1000), east_m: Steps(from: 0, to: 1, count: 1000)),\n    \
+         pointing:",
+        "9:21: sweep.design = 1000000 points make 4000000 images, at most 1000000 are allowed",
+    ),
+    Case(
+        "a split that is none",
+        "pointing:",
+        "split: (train: 0.8, validation: 0.1, test: 0.2, cell_m: 1000),\n    pointing:",
+        "9:12: split = 1.1000 is what train, validation and test add up to, want 1 within 0.001",
+    ),
     Case("empty title", "\"a test\"", "\" \"", "2:12: title = \"\" must say what the sequence shows"),
     Case(
         "two optics",

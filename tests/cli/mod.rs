@@ -12,4 +12,5 @@ pub mod run;
 mod run_input;
 mod scenario;
 mod shadows;
+mod sweep;
 mod terrain;

@@ -2,6 +2,7 @@
 
 mod camera;
 mod output;
+mod sweep;
 mod view;
 mod world;
 
@@ -12,6 +13,7 @@ pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
@@ -72,6 +74,12 @@ pub struct Spec {
     pub detector: Option<Detector>,
     /// When images are taken.
     pub exposures: Exposures,
+    /// Makes all exposures at many points: Suns, places, albedos. Default: none.
+    #[serde(default)]
+    pub sweep: Option<Sweep>,
+    /// Which images are for training, validation and test. Default: not said.
+    #[serde(default)]
+    pub split: Option<Split>,
     /// What is written.
     #[serde(default)]
     pub outputs: Outputs,

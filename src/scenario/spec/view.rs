@@ -171,6 +171,11 @@ pub enum Towards {
         #[schemars(length(min = 1, max = 1_000_000))]
         points: Vec<Pose>,
     },
+    /// A CCSDS attitude ephemeris message: quaternions between a frame of space or of the body and the camera's.
+    Aem {
+        /// The file, in key-value notation.
+        path: String,
+    },
 }
 
 /// An attitude at a time: the quaternion `camera_from_body`, scalar first, Hamilton's. It is of length 1 within 1e-3.
