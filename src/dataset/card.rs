@@ -61,7 +61,7 @@ impl Card<'_> {
         let mut row = |key: &str, value: String| text.push_str(&format!("| {key} | {value} |\n"));
         row("body, frame", format!("{}, {}", body.name, body.frame));
         row("images", format!("{} × {} pixels, {}", camera.width, camera.height, camera.model));
-        row("epochs", format!("{earliest} to {latest}"));
+        row("epochs", if earliest == latest { (*latest).into() } else { format!("{earliest} to {latest}") });
         row("height above the spheroid", range(self.facts().map(|facts| Some(facts.pose.height_m)), "m"));
         row("Sun above the terrain's centre", range(self.facts().map(|facts| facts.sun.elevation_deg), "°"));
         row("Sun's azimuth there", range(self.facts().map(|facts| facts.sun.azimuth_deg), "°"));
@@ -85,9 +85,13 @@ impl Card<'_> {
     fn how(&self) -> Option<String> {
         let mut text = String::from("## How it was made\n\n");
         let settings = self.run.settings.as_object()?;
-        for (key, value) in settings.iter().filter(|(key, _)| !["sweep", "split"].contains(&key.as_str())) {
-            let shown = value.as_str().map_or_else(|| value.to_string(), String::from);
-            let _ = writeln!(text, "- {}: {shown}", key.replace('_', " "));
+        let own_words = |key: &String| ["sweep", "split"].contains(&key.as_str());
+        for (key, value) in settings.iter().filter(|(key, value)| !own_words(key) && !value.is_null()) {
+            let lines = value.as_array().cloned().unwrap_or_else(|| vec![value.clone()]);
+            for line in lines {
+                let shown = line.as_str().map_or_else(|| line.to_string(), String::from);
+                let _ = writeln!(text, "- {}: {shown}", key.replace('_', " "));
+            }
         }
         if let Some(sensor) = self.facts().next().map(|facts| &facts.sensor) {
             let gain = sensor.gain_e_per_dn.map_or("ideal".into(), |gain| format!("{gain} electrons per DN"));
@@ -125,7 +129,8 @@ impl Card<'_> {
         }
         let cell_m = split["cell_m"].as_f64().unwrap_or_default();
         let apart = if shown_m < cell_m {
-            "Images of cells that do not touch share no ground."
+            "Images of neighbouring cells in different parts share at most the ground along their border; of cells that do not \
+             touch, none."
         } else {
             "**Images of neighbouring cells in different parts show the same ground**: use larger cells."
         };

@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 use super::band::Ends;
 use super::decode::Decoder;
-use super::error::ErrorStatistics;
+use super::error::{Error, ErrorStatistics};
 use super::method::Search;
 use super::pack::HorizonMap;
 use super::request::Request;
@@ -122,10 +122,10 @@ pub fn bounds(
     map: &HorizonMap,
     nodes: &[[usize; 2]],
     errors_rad: &[Vec<f64>],
-) -> (Bounds, BoundStatistics) {
+) -> Result<(Bounds, BoundStatistics), Error> {
     let level = request.nodes();
     let probed: Vec<usize> = probed(request.settings.azimuths).collect();
-    let largest_rad = largest_errors_rad(request, map, &probed);
+    let largest_rad = largest_errors_rad(request, map, &probed)?;
     let at = |[column, row]: [usize; 2]| f64::from(largest_rad[row * map.columns + column]).max(least_rad());
     let largest = |errors_rad: &Vec<f64>| errors_rad.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
     let ratios = nodes.iter().zip(errors_rad).map(|(node, errors_rad)| largest(errors_rad) / at(*node));
@@ -138,7 +138,7 @@ pub fn bounds(
     let bounds = Bounds { columns: map.columns, codes: (0..largest_rad.len()).map(code).collect() };
     let [nodes_beyond, samples_beyond] = BoundStatistics::beyond(&bounds, nodes, errors_rad);
     let rms_share = rms_share(&bounds, nodes, errors_rad);
-    (bounds, BoundStatistics { azimuths: probed.len(), factor, rms_share, nodes_beyond, samples_beyond })
+    Ok((bounds, BoundStatistics { azimuths: probed.len(), factor, rms_share, nodes_beyond, samples_beyond }))
 }
 
 /// RMS of errors as shares of their nodes' bounds, `[node][azimuth]`, in the header's digits.
@@ -174,19 +174,19 @@ pub fn share_beyond(measured: usize) -> f64 {
 }
 
 /// The largest error of each node's series against a sweep of some azimuths.
-fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> Vec<f32> {
+fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> Result<Vec<f32>, Error> {
     let Request { face, level, settings, .. } = request;
     let mut largest_rad = vec![0.0_f32; map.columns * map.rows];
     let ends = |major: Major| settings.band.map(|band| Ends::of(&band, &face.map, request.nodes(), major));
     let row_ends = ends(Major::Row);
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(face, *level, major, settings);
+        let search = Search::new(face, *level, major, settings)?;
         let plane_ends = ends(major);
         let along = |azimuth: &&usize| Major::of(settings.direction(**azimuth)) == major;
         let azimuths: Vec<usize> = probed.iter().filter(along).copied().collect();
         for block in azimuths.chunks(BLOCK) {
             let plane = |&azimuth: &usize| super::build::plane(&search, plane_ends.as_ref(), settings, azimuth);
-            let planes: Vec<_> = block.par_iter().map(plane).collect();
+            let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
             let directions: Vec<_> = block.iter().map(|azimuth| settings.direction(*azimuth)).collect();
             let decoder = Decoder::new(map, &directions);
             largest_rad.par_chunks_mut(map.columns).enumerate().for_each(|(row, largest_rad)| {
@@ -204,7 +204,7 @@ fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> 
             });
         }
     }
-    largest_rad
+    Ok(largest_rad)
 }
 
 #[cfg(test)]

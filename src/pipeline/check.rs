@@ -58,7 +58,8 @@ fn surface(
 ) -> Option<ground::Ground> {
     let (body, dems) = (&scenario.body, scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems));
     let paths = ground::paths(body, dems, cache);
-    let is_there = |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. }) || path.is_file();
+    let is_there =
+        |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. } | Dem::Detail { .. }) || path.is_file();
     let (there, missing): (Vec<_>, Vec<_>) = dems.iter().zip(&paths).partition(is_there);
     let opened = match missing[..] {
         [] => ground::surface(scenario.terrain.as_ref(), body, cache, progress).map(Some),

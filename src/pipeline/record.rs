@@ -2,12 +2,13 @@
 
 use super::ground::file_name;
 use super::shot::Shot;
-use super::{Prepared, scene, split};
+use super::{Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
     SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
+use crate::labels;
 use crate::render::{Image, Quantity, Scene};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
@@ -45,6 +46,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     }
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
+    }
+    if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
+        settings["invented"] = serde_json::json!(invented);
     }
     if let Some(sweep) = &scenario.sweep {
         let values = |point: &Point| point.0.iter().map(|(_, value)| *value).collect::<Vec<f64>>();

@@ -4,7 +4,7 @@ use super::{Error, Exposure};
 use crate::labels::{self, Sequence, moved};
 use crate::render::planes::Radiometry;
 use crate::render::{Plane, Quantity, Renderer, Samples, Scene, View};
-use crate::scenario::Scenario;
+use crate::scenario::{Dem, Scenario};
 
 /// Refuses the change of shadows for a camera that moves.
 pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
@@ -18,6 +18,12 @@ pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
         }
         None => Ok(()),
     }
+}
+
+/// How many of the terrain's models, the finest, are made up below the posting of a measured one.
+pub fn invented_levels(scenario: &Scenario) -> usize {
+    let dems = scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    dems.iter().take_while(|dem| matches!(dem, Dem::Detail { .. })).count()
 }
 
 fn previous(exposures: &[Exposure], index: usize) -> Option<&View> {
@@ -74,6 +80,7 @@ pub fn planes(
     before: Option<&[Radiometry]>,
 ) -> Vec<Plane> {
     let (previous, next) = (previous(exposures, index), beside(exposures, index, index + 1));
-    let sequence = Sequence { previous, next, before, limits: &scenario.hazards };
+    let sequence =
+        Sequence { previous, next, before, limits: &scenario.hazards, invented_levels: invented_levels(scenario) };
     labels::planes(scene, &exposures[index].view, samples, &sequence)
 }

@@ -80,10 +80,12 @@ pub enum Quantity {
     HazardSunlit,
     /// 1 where one of the limits of `hazards` is passed, 0 where a lander may stand.
     Hazard,
+    /// Height of made-up ground over the measured at the pixel's centre: of `Detail` in `terrain.dems`; 0 on measured ground.
+    InventedHeight,
 }
 
 impl Quantity {
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::Radiance,
         Self::GroundIrradiance,
         Self::RadianceFactor,
@@ -121,6 +123,7 @@ impl Quantity {
         Self::HazardRoughness,
         Self::HazardSunlit,
         Self::Hazard,
+        Self::InventedHeight,
     ];
 
     /// Names of the channels: ISIS `phocube` names where they exist.
@@ -163,6 +166,7 @@ impl Quantity {
             Self::HazardRoughness => &["HAZARD_ROUGHNESS"],
             Self::HazardSunlit => &["HAZARD_SUNLIT"],
             Self::Hazard => &["HAZARD"],
+            Self::InventedHeight => &["INVENTED_HEIGHT"],
         }
     }
 
@@ -184,7 +188,12 @@ impl Quantity {
             | Self::HazardSunlit
             | Self::Hazard => "1",
             Self::Flow | Self::FlowBack => "px",
-            Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance | Self::HazardRoughness => "m",
+            Self::Depth
+            | Self::Range
+            | Self::Height
+            | Self::GroundSampleDistance
+            | Self::HazardRoughness
+            | Self::InventedHeight => "m",
             Self::Latitude
             | Self::Longitude
             | Self::Incidence

@@ -45,7 +45,8 @@ impl Quantity {
             | SunIlluminationMask
             | Hit
             | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard => true,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
+            | InventedHeight => true,
             EllipsoidIncidence
             | EllipsoidEmission
             | Slope
@@ -76,6 +77,7 @@ impl Quantity {
                 | HazardRoughness
                 | HazardSunlit
                 | Hazard
+                | InventedHeight
         )
     }
 }

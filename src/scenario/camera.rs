@@ -263,10 +263,11 @@ pub fn landmarks(spec: &Spec, camera: &Camera, check: &mut Check) -> Option<Land
     let needs = "needs a camera that exposes its rows at once: craters are projected from one pose";
     check.needs(camera.shutter == Shutter::Global, "landmarks", needs);
     let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
-    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. } | spec::Dem::Detail { .. }));
     let list = |(index, list): (usize, &spec::CraterList)| match list {
         spec::CraterList::Terrain => {
-            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            let needs =
+                "needs a Synthetic model or Detail in terrain.dems; craters of measured terrain come from a File";
             check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
             CraterList::Terrain
         }

@@ -70,9 +70,33 @@ pub struct Terrain {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dem {
-    File { path: PathBuf, values: Values, posting_m: Option<f64>, extent_m: Option<f64> },
-    Synthetic { columns: u32, rows: u32, posting_m: f64, centre: Geodetic, seed: u64 },
-    Cube { path: PathBuf, values: Values, posting_m: Option<f64> },
+    File {
+        path: PathBuf,
+        values: Values,
+        posting_m: Option<f64>,
+        extent_m: Option<f64>,
+    },
+    Synthetic {
+        columns: u32,
+        rows: u32,
+        posting_m: f64,
+        centre: Geodetic,
+        seed: u64,
+    },
+    /// Continues the next model. `None`: about the middle of the first measured one.
+    Detail {
+        posting_m: f64,
+        extent_m: f64,
+        centre: Option<Geodetic>,
+        seed: u64,
+        craters: f64,
+        boulders_per_km2: f64,
+    },
+    Cube {
+        path: PathBuf,
+        values: Values,
+        posting_m: Option<f64>,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

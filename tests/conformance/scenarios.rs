@@ -47,6 +47,7 @@ fn smaller(scenario: Scenario) -> Scenario {
             Dem::Synthetic { columns, rows, posting_m, .. } => {
                 (*columns, *rows, *posting_m) = (*columns / 4, *rows / 4, 4.0 * *posting_m);
             }
+            Dem::Detail { posting_m, .. } => *posting_m *= 4.0,
             Dem::Cube { posting_m, .. } => *posting_m = Some(15_000.0),
         }
     }

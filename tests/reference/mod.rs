@@ -1,6 +1,7 @@
 //! Against others: closed forms, other programs, published values.
 
 mod default_kernels;
+mod detail;
 mod ephemeris;
 mod flow;
 mod globe;

@@ -96,6 +96,27 @@ pub enum Dem {
         #[serde(default)]
         seed: u64,
     },
+    /// Made-up ground below the posting of the measured model that comes next: it goes on with that one's roughness, and has small
+    /// craters and boulders. Means over the measured posting stay. Craters of it are landmarks that are marked invented.
+    Detail {
+        /// Distance of neighbouring heights: at most half of the measured model's.
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: f64,
+        /// Side of the square about the terrain's centre.
+        #[schemars(range(min = 1.0, max = 1e6))]
+        extent_m: f64,
+        /// Another seed is other ground.
+        #[serde(default)]
+        seed: u64,
+        /// Craters per area, in units of the equilibrium density.
+        #[serde(default = "one")]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        craters: f64,
+        /// Boulders of more than 1 m; their number falls with the cube of their size, up to 10 m.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1e6))]
+        boulders_per_km2: f64,
+    },
     /// A raster of the whole body, cut into a cube of six maps. It must be the last.
     Cube {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
