@@ -4,6 +4,8 @@
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
 //! [`planes`] makes the image.
 
+pub mod bounce;
+mod diffuse;
 pub mod image;
 pub mod layout;
 pub mod passes;
@@ -12,10 +14,12 @@ pub mod reference;
 pub mod refine;
 pub mod view;
 
+pub use bounce::Bounce;
+pub use diffuse::Diffuse;
 pub use image::{Image, Plane, Quantity};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{Ambient, Light, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Scene, Shadows, View};
 
 use std::time::Duration;
 

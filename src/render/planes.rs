@@ -36,7 +36,9 @@ impl Quantity {
         use Quantity::*;
         match self {
             Radiance
+            | SpectralRadiance
             | GroundIrradiance
+            | SpectralGroundIrradiance
             | RadianceFactor
             | FocalPlaneIrradiance
             | DigitalNumber
@@ -139,9 +141,12 @@ fn digital_numbers(
 }
 
 fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+    let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
         Quantity::GroundIrradiance => mean.irradiance_w_m2,
+        Quantity::SpectralRadiance => per_nm(mean.radiance_w_m2_sr),
+        Quantity::SpectralGroundIrradiance => per_nm(mean.irradiance_w_m2),
         Quantity::SunFraction => mean.sun_fraction,
         Quantity::Hit => mean.hit,
         Quantity::SunIlluminationMask if mean.sun_fraction.is_nan() => f32::NAN,
