@@ -16,6 +16,7 @@ pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 mod images;
+pub mod lights;
 pub mod motion;
 mod ortho;
 mod progress;
@@ -45,7 +46,7 @@ use crate::labels::{Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{DeviceGround, Renderer, Scene, Shadows};
+use crate::render::{Bounce, DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
 use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
 
@@ -175,7 +176,7 @@ fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error
 /// Files that shape the images besides elevation models and kernels, with their role.
 fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     let mut inputs = Vec::new();
-    if let Albedo::Map(path) = &scenario.albedo {
+    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
         inputs.push(("albedo", path.as_path()));
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
@@ -187,6 +188,9 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     if let Some(kernel) = &scenario.camera.kernel {
         inputs.push(("psf", kernel.as_path()));
     }
+    let response = scenario.band.as_ref().and_then(|band| band.path.as_deref());
+    inputs.extend(response.map(|path| ("response", path)));
+    inputs.extend(scenario.sun.table.as_deref().map(|path| ("spectrum", path)));
     if let scenario::Towards::Aem { path } = &scenario.pointing.towards {
         inputs.push(("attitude", path.as_path()));
     }
@@ -203,7 +207,9 @@ pub fn scene(
     let Prepared { ground, exposures, shadows: choice, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
-        Albedo::Map(path) => Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?),
+        Albedo::Map(path) | Albedo::SingleScattering(path) => {
+            Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?)
+        }
     };
     let settings = horizon::Settings {
         azimuths: scenario.horizon.azimuths as usize,
@@ -244,13 +250,13 @@ pub fn scene(
             Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
         }
     };
-    let ambient = match &scenario.ambient {
-        None => None,
-        Some(Ambient { sky: Sky::Horizons, .. }) if shadows.maps().is_none() => {
-            scene::ambient(scenario, &ground.surface, &maps(settings)?)
-        }
-        Some(_) => scene::ambient(scenario, &ground.surface, shadows.maps().unwrap_or_default()),
-    };
+    let from_maps = matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })) || scenario.bounce.is_some();
+    let made = if from_maps && shadows.maps().is_none() { maps(settings)? } else { Vec::new() };
+    let horizons = shadows.maps().unwrap_or(&made[..]);
+    let ambient = scene::ambient(scenario, &ground.surface, horizons);
+    let bounce = scenario
+        .bounce
+        .map(|bounce| Bounce::new(&ground.surface, horizons, bounce.azimuths as usize, bounce.elevations as usize));
     ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
@@ -258,8 +264,11 @@ pub fn scene(
         refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,
         albedo,
+        albedo_role: scene::albedo_role(scenario),
         ambient,
+        bounce,
         disk: scene::disk(scenario)?,
+        band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
         optics: scene::optics(scenario)?,
         detector: scene::detector(scenario)?,
         samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,

@@ -196,17 +196,27 @@ pub struct SunRecord {
     pub elevation_deg: Option<f64>,
     /// `uniform`, or the law and its wavelength.
     pub limb_darkening: String,
+    /// Share of the Sun's light that the Earth leaves; absent where that was not asked.
+    pub eclipse_share: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RadiometryRecord {
     /// Of the plane `radiance`.
     pub unit: String,
+    /// The table that the irradiance comes from.
+    pub spectrum: String,
     pub irradiance_1au_w_m2: f64,
-    /// At the Sun's distance.
+    /// At the Sun's distance; what an eclipse leaves of it.
     pub irradiance_w_m2: f64,
     /// Absent: the whole spectrum.
     pub band_nm: Option<[f64; 2]>,
+    /// Absent: the same between the ends of the band, or the whole spectrum.
+    pub response: Option<String>,
+    /// The response's integral: radiance over it is radiance per nanometre.
+    pub band_width_nm: Option<f64>,
+    /// Mean of the sunlight in the band, weighted by energy; photons are counted at it.
+    pub mean_wavelength_nm: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -12,6 +12,7 @@ pub mod illumination;
 pub mod images;
 pub mod machine;
 pub mod plot;
+pub mod radiometry;
 pub mod report;
 pub mod scenes;
 pub mod shadows;

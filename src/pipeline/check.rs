@@ -28,7 +28,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     problems.extend(points.iter().filter_map(|point| scene::detector(point).err()).take(1));
     problems.extend(scene::disk(scenario).err());
     problems.extend(points.iter().filter_map(|point| scene::reflectance(point).err()).take(1));
-    if let Albedo::Map(path) = &scenario.albedo {
+    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
     }

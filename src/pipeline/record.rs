@@ -38,9 +38,13 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "ambient": scenario.ambient,
         "photometry": format!("{:?}", scene.reflectance),
         "limb_darkening": scene::disk_name(scenario),
+        "spectrum": scenario.sun.spectrum,
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if let Some(bounce) = scenario.bounce {
+        settings["bounce"] = serde_json::json!(bounce);
+    }
     if scenario.refine {
         settings["refine"] = true.into();
     }
@@ -100,7 +104,6 @@ fn body(prepared: &Prepared) -> BodyRecord {
 pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image, shot: &Shot) -> Facts {
     let exposure = &prepared.exposures[index];
     let scenario = &prepared.points[exposure.point];
-    let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
         sweep: prepared.sweep.as_ref().map(|sweep| SweepRecord {
@@ -119,9 +122,13 @@ pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image:
         sun: sun(scenario, prepared, index),
         radiometry: RadiometryRecord {
             unit: Quantity::Radiance.unit().into(),
+            spectrum: scenario.sun.spectrum.clone(),
             irradiance_1au_w_m2: scenario.sun.irradiance_w_m2,
             irradiance_w_m2: exposure.view.lights[0].irradiance_w_m2,
-            band_nm: camera.band_m.map(|band| band.map(|edge_m| edge_m * 1e9)),
+            band_nm: scenario.band.as_ref().map(|band| band.response.range_nm()),
+            response: scenario.band.as_ref().and_then(|band| band.path.as_deref()).map(file_name),
+            band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
+            mean_wavelength_nm: scenario.band.as_ref().map(|band| band.wavelength_nm),
         },
         sensor: super::camera_record::sensor(scenario, shot),
         inputs: inputs(scenario, run),
@@ -164,6 +171,7 @@ fn sun(scenario: &Scenario, prepared: &Prepared, index: usize) -> SunRecord {
         azimuth_deg: terrain.then_some(sky.azimuth_rad.to_degrees()),
         elevation_deg: terrain.then_some(sky.elevation_rad.to_degrees()),
         limb_darkening: scene::disk_name(scenario),
+        eclipse_share: prepared.exposures[index].eclipse_share,
     }
 }
 
@@ -177,6 +185,7 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
         albedo: match &scenario.albedo {
             Albedo::Constant(albedo) => format!("constant {albedo}"),
             Albedo::Map(path) => file_name(path),
+            Albedo::SingleScattering(path) => format!("{} (single scattering)", file_name(path)),
         },
     }
 }

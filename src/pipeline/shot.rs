@@ -53,7 +53,7 @@ pub fn take(
         Some((auto, detector)) => {
             // Light without motion blur tells the time; blur then lasts as long as that.
             let (still, poses) = light(Timing { moments: 1, ..timing }, written_s)?;
-            let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance());
+            let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance(scene));
             if timing.moments == 1 {
                 (still, poses, chosen_s)
             } else {

@@ -8,8 +8,12 @@ use serde::{Deserialize, Serialize};
 pub enum Quantity {
     /// Radiance at the pupil, in the camera's band, averaged over the pixel.
     Radiance,
+    /// The same per nanometre of the camera's band.
+    SpectralRadiance,
     /// Irradiance of the ground facet by the visible part of the solar disc, averaged over the pixel.
     GroundIrradiance,
+    /// The same per nanometre of the camera's band.
+    SpectralGroundIrradiance,
     /// I/F: `π L / E`, with `E` the irradiance of a plane that faces the Sun.
     RadianceFactor,
     /// Irradiance of the focal plane by the optics.
@@ -85,9 +89,11 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 40] = [
         Self::Radiance,
+        Self::SpectralRadiance,
         Self::GroundIrradiance,
+        Self::SpectralGroundIrradiance,
         Self::RadianceFactor,
         Self::FocalPlaneIrradiance,
         Self::DigitalNumber,
@@ -130,7 +136,9 @@ impl Quantity {
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Radiance => &["RADIANCE"],
+            Self::SpectralRadiance => &["SPECTRAL_RADIANCE"],
             Self::GroundIrradiance => &["GROUND_IRRADIANCE"],
+            Self::SpectralGroundIrradiance => &["SPECTRAL_GROUND_IRRADIANCE"],
             Self::RadianceFactor => &["RADIANCE_FACTOR"],
             Self::FocalPlaneIrradiance => &["FOCAL_PLANE_IRRADIANCE"],
             Self::DigitalNumber => &["DN"],
@@ -170,9 +178,16 @@ impl Quantity {
         }
     }
 
+    /// Whether it is counted per nanometre, so that the camera needs a band.
+    pub fn is_spectral(self) -> bool {
+        matches!(self, Self::SpectralRadiance | Self::SpectralGroundIrradiance)
+    }
+
     pub fn unit(self) -> &'static str {
         match self {
             Self::Radiance => "W m-2 sr-1",
+            Self::SpectralRadiance => "W m-2 sr-1 nm-1",
+            Self::SpectralGroundIrradiance => "W m-2 nm-1",
             Self::GroundIrradiance | Self::FocalPlaneIrradiance => "W m-2",
             Self::DigitalNumber | Self::NoiseFreeDigitalNumber => "DN",
             Self::RadianceFactor

@@ -107,8 +107,8 @@ impl Taken {
     }
 
     /// Irradiance of the focal plane, row by row.
-    pub fn focal_plane_irradiance(&self) -> Vec<f32> {
-        planes::focal_plane_irradiance(&self.parts())
+    pub fn focal_plane_irradiance(&self, scene: &Scene) -> Vec<f32> {
+        planes::focal_plane_irradiance(scene, &self.parts())
     }
 
     /// What was sampled, where all rows are exposed together.

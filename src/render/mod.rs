@@ -4,6 +4,8 @@
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
 //! [`planes`] makes the image. [`imaging`] takes it with a lens that blurs and a shutter that takes its time.
 
+pub mod bounce;
+mod diffuse;
 pub mod image;
 pub mod imaging;
 pub mod layout;
@@ -13,11 +15,13 @@ pub mod reference;
 pub mod refine;
 pub mod view;
 
+pub use bounce::Bounce;
+pub use diffuse::Diffuse;
 pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{Ambient, Light, Rays, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View};
 
 use std::time::Duration;
 

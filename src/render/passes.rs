@@ -11,7 +11,6 @@ mod rays;
 mod skylines;
 mod upload;
 
-use std::f64::consts::PI;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -26,11 +25,11 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{Rays, RenderError, Renderer, Scene, Shadows, View, refine};
+use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, reference, refine};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
+use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
@@ -109,12 +108,16 @@ impl Renderer for Passes<'_> {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
         let prepared = self.prepared.as_mut().expect("prepared above");
-        let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, rays, view)?;
+        // Bounced light is found on the host, from the same shadows as the reference renderer's.
+        let shadow = scene.bounce.as_ref().and_then(|_| reference::shadow(scene, view));
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
+        let Dispatched { pixels, centres, seconds } =
+            prepared.dispatch(self.gpu, scene, rays, view, diffuse.as_ref())?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if rays.centres { prepared.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        refine::settle(scene, rays, view, &mut samples);
+        refine::settle(scene, rays, view, diffuse.as_ref(), &mut samples);
         Ok(samples)
     }
 }
@@ -126,10 +129,13 @@ impl Prepared {
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| PI * ambient.radiance_w_m2_sr)),
+            ("ALBEDO_IS_W", f64::from(u8::from(scene.albedo_role == AlbedoRole::SingleScattering))),
+            ("BARE_ALBEDO", scene.bare_albedo()),
+            ("SKY_W_M2", Diffuse::unit_w_m2(scene)),
+            ("BARE_SKY", Diffuse::bare_share(scene)),
             scene.reflectance.constant(),
         ];
-        constants.extend(SolarDisk::constants());
+        constants.extend(scene.disk.constants());
         let skylines = match scene.shadows.towards() {
             Some(_) => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
             None => None,
@@ -195,8 +201,17 @@ impl Prepared {
         Ok(self.tables.len() - 1)
     }
 
-    fn dispatch(&mut self, gpu: &Gpu, scene: &Scene, rays: &Rays, view: &View) -> Result<Dispatched, RenderError> {
+    fn dispatch(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        rays: &Rays,
+        view: &View,
+        diffuse: Option<&Diffuse>,
+    ) -> Result<Dispatched, RenderError> {
         let table = self.table(gpu, rays)?;
+        let bounced = diffuse.filter(|_| scene.bounce.is_some());
+        let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
         let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &view.held_lights()));
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
@@ -240,7 +255,7 @@ impl Prepared {
                 &pixels_out,
                 &centres_out,
                 &self.ground.gradients[1],
-                &self.ground.skies,
+                bounced.as_ref().unwrap_or(&self.ground.skies),
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.

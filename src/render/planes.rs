@@ -36,7 +36,9 @@ impl Quantity {
         use Quantity::*;
         match self {
             Radiance
+            | SpectralRadiance
             | GroundIrradiance
+            | SpectralGroundIrradiance
             | RadianceFactor
             | FocalPlaneIrradiance
             | DigitalNumber
@@ -102,7 +104,7 @@ pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> I
     let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
         let channels = match quantity {
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
-                vec![digital_numbers(detector, parts, quantity, columns)]
+                vec![digital_numbers(scene, detector, parts, quantity, columns)]
             }
             _ => joined(parts.iter().map(|part| part.channels(scene, quantity))),
         };
@@ -126,12 +128,14 @@ impl Part<'_> {
         if quantity.is_geometric() {
             self.geometric_channels(scene, quantity)
         } else {
-            vec![self.radiometric(quantity)]
+            vec![self.radiometric(scene, quantity)]
         }
     }
 
-    fn radiometric(&self, quantity: Quantity) -> Vec<f32> {
-        self.by_pixel(|index, pixel| radiometric(self.optics, self.view, quantity, pixel, &self.samples.pixels[index]))
+    fn radiometric(&self, scene: &Scene, quantity: Quantity) -> Vec<f32> {
+        self.by_pixel(|index, pixel| {
+            radiometric(scene, self.optics, self.view, quantity, pixel, &self.samples.pixels[index])
+        })
     }
 
     fn geometric_channels(&self, scene: &Scene, quantity: Quantity) -> Vec<Vec<f32>> {
@@ -150,14 +154,20 @@ impl Part<'_> {
 }
 
 /// Irradiance of the focal plane, all parts.
-pub fn focal_plane_irradiance(parts: &[Part]) -> Vec<f32> {
-    parts.iter().flat_map(|part| part.radiometric(Quantity::FocalPlaneIrradiance)).collect()
+pub fn focal_plane_irradiance(scene: &Scene, parts: &[Part]) -> Vec<f32> {
+    parts.iter().flat_map(|part| part.radiometric(scene, Quantity::FocalPlaneIrradiance)).collect()
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where there is no detector.
-fn digital_numbers(detector: Option<&Detector>, parts: &[Part], quantity: Quantity, columns: usize) -> Vec<f32> {
+fn digital_numbers(
+    scene: &Scene,
+    detector: Option<&Detector>,
+    parts: &[Part],
+    quantity: Quantity,
+    columns: usize,
+) -> Vec<f32> {
     let Some((detector, part)) = detector.zip(parts.first()) else { return Vec::new() };
-    let light = focal_plane_irradiance(parts);
+    let light = focal_plane_irradiance(scene, parts);
     let numbers = match quantity {
         Quantity::DigitalNumber => detector.expose(&light, columns, part.view.exposure),
         _ => detector.expose_without_noise(&light, columns),
@@ -165,10 +175,20 @@ fn digital_numbers(detector: Option<&Detector>, parts: &[Part], quantity: Quanti
     numbers.into_iter().map(f32::from).collect()
 }
 
-fn radiometric(optics: &Optics, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+fn radiometric(
+    scene: &Scene,
+    optics: &Optics,
+    view: &View,
+    quantity: Quantity,
+    pixel: DVec2,
+    mean: &Radiometry,
+) -> f32 {
+    let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
         Quantity::GroundIrradiance => mean.irradiance_w_m2,
+        Quantity::SpectralRadiance => per_nm(mean.radiance_w_m2_sr),
+        Quantity::SpectralGroundIrradiance => per_nm(mean.irradiance_w_m2),
         Quantity::SunFraction => mean.sun_fraction,
         Quantity::Hit => mean.hit,
         Quantity::SunIlluminationMask if mean.sun_fraction.is_nan() => f32::NAN,

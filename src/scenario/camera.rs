@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::error::Fault;
-use super::presets;
 use super::resolve::Check;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
@@ -12,18 +11,12 @@ use crate::dataset::Format;
 use crate::labels::Limits;
 use crate::render::Quantity;
 
-/// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
-const BAND_NM: [f64; 2] = [100.0, 20_000.0];
-
 /// 8192²: one float plane of it takes 256 MiB.
 const LARGEST_IMAGE_PIXELS: u64 = 1 << 26;
 
-/// The camera and the detector, a preset's figures included.
 pub fn camera(spec: &Spec, check: &mut Check) -> (Camera, Option<Detector>) {
-    let (written, preset_detector) = presets::completed(&spec.camera);
-    let isd = written.isd.as_ref().and_then(|name| isd(name, check));
-    let camera = resolved(&written, isd, check);
-    (camera, detector(&written, spec.detector.or(preset_detector), check))
+    let isd = spec.camera.isd.as_ref().and_then(|name| isd(name, check));
+    (resolved(&spec.camera, isd, check), detector(&spec.camera, spec.detector, check))
 }
 
 fn resolved(written: &spec::Camera, isd: Option<Box<Isd>>, check: &mut Check) -> Camera {
@@ -36,12 +29,6 @@ fn resolved(written: &spec::Camera, isd: Option<Box<Isd>>, check: &mut Check) ->
     let samples = written.samples_per_pixel;
     check.rule(side * side == samples, "camera.samples_per_pixel", samples, rule);
     check.rule(written.moments % 2 == 1, "camera.moments", written.moments, "is not odd");
-    if let Some((low, high)) = written.band_nm {
-        let [lowest, highest] = BAND_NM;
-        let rule = format!("must rise from its lower to its upper end within [{lowest}, {highest}] nm");
-        let rises = lowest <= low && low < high && high <= highest;
-        check.rule(rises, "camera.band_nm", format!("({low}, {high})"), rule);
-    }
     let shutter = isd.as_ref().map_or_else(|| shutter(written.shutter), |isd| isd.shutter);
     if let Err(error) = shutter.check(rows) {
         check.needs(false, "camera.rows", error.to_string());
@@ -64,7 +51,6 @@ fn resolved(written: &spec::Camera, isd: Option<Box<Isd>>, check: &mut Check) ->
         spreads: spreads(written, check),
         kernel: kernel(written, check),
         samples_per_pixel: written.samples_per_pixel,
-        band_m: written.band_nm.map(|(low, high)| [low * 1e-9, high * 1e-9]),
         f_number: written.f_number.unwrap_or(4.0),
         transmission: written.transmission.unwrap_or(1.0),
         exposure_s: written.exposure_s.unwrap_or(1e-3),
@@ -221,7 +207,11 @@ fn detector(camera: &spec::Camera, detector: Option<Detector>, check: &mut Check
     let detector = detector?;
     let needs = "needs camera.pixel_pitch_um: electrons are counted per area of a pixel";
     check.needs(camera.pixel_pitch_um.is_some(), "detector", needs);
-    check.needs(camera.band_nm.is_some(), "detector", "needs camera.band_nm: a photon's energy is its wavelength's");
+    check.needs(
+        camera.band_nm.is_some() || camera.response.is_some(),
+        "detector",
+        "needs camera.band_nm: a photon's energy is its wavelength's",
+    );
     let largest_dn = f64::from((1_u32 << detector.bits.min(16)) - 1);
     let rule = format!("is not below {largest_dn}, the largest number of {} bits", detector.bits);
     check.rule(detector.offset_dn < largest_dn, "detector.offset_dn", detector.offset_dn, rule);
@@ -238,6 +228,11 @@ pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Che
         check.rule(!counted || has_detector, &key, &name, "needs a detector");
         let at_once = camera.shutter == Shutter::Global;
         check.rule(!plane.is_label() || at_once, &key, &name, "needs a camera that exposes its rows at once");
+    }
+    let band = spec.camera.band_nm.is_some() || spec.camera.response.is_some();
+    for (index, plane) in planes.iter().enumerate().filter(|(_, plane)| plane.is_spectral()) {
+        let key = format!("outputs.planes[{index}]");
+        check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
     }
     let formats = &spec.outputs.formats;
     for (index, format) in formats.iter().enumerate() {

@@ -15,6 +15,7 @@
 mod camera;
 mod error;
 mod files;
+mod light;
 mod motion;
 mod presets;
 mod resolve;

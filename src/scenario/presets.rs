@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::spec::{Camera, Detector, Preset};
+use super::spec::{Camera, Detector, Preset, Spec};
 
 /// What a preset's file holds.
 #[derive(Debug, Clone, Deserialize)]
@@ -35,10 +35,14 @@ impl Preset {
     }
 }
 
-/// The camera with its preset's figures where it gives none itself, and the preset's detector.
-pub fn completed(written: &Camera) -> (Camera, Option<Detector>) {
-    let Some(preset) = written.preset else { return (written.clone(), None) };
-    let Figures { camera: known, detector } = preset.figures();
+/// The scenario with its preset's figures where it gives none itself.
+pub fn completed(spec: &Spec) -> Spec {
+    let Some(preset) = spec.camera.preset else { return spec.clone() };
+    let Figures { camera, detector } = preset.figures();
+    Spec { camera: completed_camera(&spec.camera, camera), detector: spec.detector.or(detector), ..spec.clone() }
+}
+
+fn completed_camera(written: &Camera, known: Camera) -> Camera {
     let given_field = written.field_of_view_deg.is_some() || written.focal_length_mm.is_some();
     let given_lens = written.distortion.is_some() || written.correction.is_some() || given_field;
     let window = |whole: Option<u32>, part: Option<u32>| {
@@ -49,7 +53,7 @@ pub fn completed(written: &Camera) -> (Camera, Option<Detector>) {
         column: point.column - window(known.columns, written.columns),
         row: point.row - window(known.rows, written.rows),
     });
-    let camera = Camera {
+    Camera {
         columns: written.columns.or(known.columns),
         rows: written.rows.or(known.rows),
         focal_length_mm: written.focal_length_mm.or(known.focal_length_mm.filter(|_| !given_field)),
@@ -60,11 +64,10 @@ pub fn completed(written: &Camera) -> (Camera, Option<Detector>) {
         vignetting: written.vignetting.or(known.vignetting),
         psf: written.psf.clone().or(known.psf),
         shutter: written.shutter.or(known.shutter),
-        band_nm: written.band_nm.or(known.band_nm),
+        band_nm: written.band_nm.or(known.band_nm.filter(|_| written.response.is_none())),
         f_number: written.f_number.or(known.f_number),
         transmission: written.transmission.or(known.transmission),
         exposure_s: written.exposure_s.or(known.exposure_s),
         ..written.clone()
-    };
-    (camera, detector)
+    }
 }

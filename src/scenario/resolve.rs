@@ -7,7 +7,7 @@ use super::files::{Found, Places};
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::tree::{self, Node, Place};
-use super::{camera, motion, structure, sweep, world};
+use super::{camera, light, motion, presets, structure, sweep, world};
 
 /// Says what a file is and where it can be had, by its name.
 pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -132,6 +132,7 @@ impl Check<'_> {
 }
 
 fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario {
+    let spec = &presets::completed(spec);
     check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
     let (camera, detector) = camera::camera(spec, check);
     let exposures = motion::exposures(&spec.exposures, &camera, check);
@@ -143,6 +144,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         "refine",
         "needs shadows: Fourier or Baked, whose errors are known",
     );
+    let (sun, band) = light::light(spec, has_terrain, check);
     let mut scenario = Scenario {
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
@@ -157,9 +159,11 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         refine: spec.refine,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),
-        sun: world::sun(&spec.sun, has_terrain, check),
+        sun,
+        band,
         earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),
         ambient: spec.ambient,
+        bounce: spec.bounce,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
         outputs: camera::outputs(spec, &camera, detector.is_some(), check),

@@ -10,10 +10,11 @@ use super::sweep::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::photometry::Curve;
 
 pub use super::spec::{
-    Ambient, AutoExposure, Detector, Distortion, HeightAbove, Outputs, Preset, Preview, Shadows, Sky, Split, Top,
-    Values,
+    Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, Shadows, Sky,
+    Split, Top, Values,
 };
 
 /// All that a run needs, as plain values.
@@ -40,10 +41,14 @@ pub struct Scenario {
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
+    /// `None`: all wavelengths.
+    pub band: Option<Band>,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
     /// `None`: a black sky.
     pub ambient: Option<Ambient>,
+    /// `None`: no light from terrain to terrain.
+    pub bounce: Option<Bounce>,
     pub trajectory: Trajectory,
     pub pointing: Pointing,
     pub camera: Camera,
@@ -134,16 +139,42 @@ impl Photometry {
 pub enum Albedo {
     Constant(f64),
     Map(PathBuf),
+    /// Of Hapke's `w`.
+    SingleScattering(PathBuf),
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sun {
     /// `None`: a uniform disc.
-    pub limb_darkening_wavelength_m: Option<f64>,
+    pub limb_darkening: Option<LimbDarkened>,
+    /// What the spectrum is called in records.
+    pub spectrum: String,
+    /// The file that it comes from; `None`: none, or one that is shipped.
+    pub table: Option<PathBuf>,
     /// At 1 au, in the camera's band.
     pub irradiance_w_m2: f64,
+    /// Whether the Earth may hide it from the Moon.
+    pub eclipses: bool,
     /// `None`: from the kernels.
     pub fixed: Option<FixedSun>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbDarkened {
+    pub law: LimbLaw,
+    pub wavelength_m: f64,
+}
+
+/// The wavelengths that count.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    pub response: Curve,
+    /// The response's file; `None`: the same response between two wavelengths.
+    pub path: Option<PathBuf>,
+    /// `∫ T dλ`
+    pub width_nm: f64,
+    /// Mean wavelength of sunlight in the band, weighted by energy.
+    pub wavelength_nm: f64,
 }
 
 /// A Sun held still in the sky of the terrain's centre.
@@ -246,8 +277,6 @@ pub struct Camera {
     pub kernel: Option<PathBuf>,
     /// A square number.
     pub samples_per_pixel: u32,
-    /// `None`: the whole spectrum.
-    pub band_m: Option<[f64; 2]>,
     pub f_number: f64,
     pub transmission: f64,
     pub exposure_s: f64,

@@ -1,13 +1,12 @@
-//! Resolves body, kernels, terrain, surface and Sun.
+//! Resolves body, kernels, terrain and surface.
 
 use std::path::PathBuf;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Dem, FixedSun, Horizon, Photometry, Sun, Terrain};
+use super::resolved::{Albedo, Dem, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
-use crate::quantity::ASTRONOMICAL_UNIT_M;
 
 /// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
 const LUNAR_ALBEDO: f64 = 0.12;
@@ -156,22 +155,9 @@ pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
         None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
         Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
-    }
-}
-
-pub fn sun(written: &spec::Sun, has_terrain: bool, check: &mut Check) -> Sun {
-    let needs = "needs terrain: the Sun is held in the sky of the terrain's centre";
-    check.needs(written.fixed.is_none() || has_terrain, "sun.fixed", needs);
-    Sun {
-        limb_darkening_wavelength_m: match written.disc {
-            spec::Disc::Uniform => None,
-            spec::Disc::LimbDarkened { wavelength_nm } => Some(wavelength_nm * 1e-9),
-        },
-        irradiance_w_m2: written.irradiance_w_m2,
-        fixed: written.fixed.map(|fixed| FixedSun {
-            azimuth_rad: fixed.azimuth_deg.to_radians(),
-            elevation_rad: fixed.elevation_deg.to_radians(),
-            distance_m: fixed.range_au * ASTRONOMICAL_UNIT_M,
-        }),
+        Some(spec::Albedo::SingleScattering { path }) => {
+            check.needs(is_hapke, "surface.albedo", "needs one of the Hapke models: it is a map of their w");
+            Albedo::SingleScattering(check.file("surface.albedo.path", path))
+        }
     }
 }

@@ -36,13 +36,13 @@ const STRUCTURE: &[Case] = &[
         "colums: 64, columns: 64,",
         "10:14: camera.colums is not a key here; did you mean columns?; allowed: auto_exposure, band_nm, columns, \
          correction, distortion, exposure_s, f_number, field_of_view_deg, focal_length_mm, isd, moments, pixel_pitch_um, \
-         preset, principal_point, psf, rows, samples_per_pixel, shutter, transmission, vignetting",
+         preset, principal_point, psf, response, rows, samples_per_pixel, shutter, transmission, vignetting",
     ),
     Case(
         "unknown key at the top",
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
-        "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
+        "2:22: tides is not a key here; allowed: ambient, body, bounce, camera, detector, earthshine, exposures, \
          frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
          trajectory",
     ),
@@ -51,6 +51,30 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\"",
         "title: \"a test\", shadows: MaximumMipmaps(runs: [5, 16])",
         "2:56: shadows.runs[1] = 16 is outside [1, 15]",
+    ),
+    Case(
+        "a spectrum without a band",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490)",
+        "2:38: sun.spectrum needs camera.band_nm or camera.response; without a band all of sunlight counts",
+    ),
+    Case(
+        "a spectrum and an irradiance",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490, irradiance_w_m2: 500)",
+        "2:38: sun.spectrum contradicts irradiance_w_m2; give one of the two",
+    ),
+    Case(
+        "a band beyond the spectrum",
+        "columns: 64,",
+        "band_nm: (300, 700), columns: 64,",
+        "10:23: camera.band_nm reaches from 300 to 700 nm; TSIS-1 HSRS v2, 1 nm has 350 to 2500 nm",
+    ),
+    Case(
+        "limb darkening without a wavelength",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (disc: LimbDarkened())",
+        "2:34: sun.disc needs wavelength_nm, or a camera with a band",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(
@@ -115,9 +139,13 @@ const STRUCTURE: &[Case] = &[
         "unknown plane",
         "[radiance, depth]",
         "[radiance, dept]",
-        "12:34: outputs.planes[1] = dept is not one of radiance, ground_irradiance, radiance_factor, \
-         focal_plane_irradiance, digital_number, noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, \
-         normal, latitude, longitude, height, incidence, emission, phase, ground_sample_distance; did you mean depth?",
+        "12:34: outputs.planes[1] = dept is not one of radiance, spectral_radiance, ground_irradiance, \
+         spectral_ground_irradiance, radiance_factor, focal_plane_irradiance, digital_number, \
+         noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, normal, latitude, \
+         longitude, height, incidence, emission, phase, ground_sample_distance, sun_illumination_mask, \
+         ellipsoid_incidence, ellipsoid_emission, slope, aspect, north_azimuth, sun_azimuth, subsolar_ground_azimuth, \
+         flow, covisible, flow_back, covisible_back, shadow_change, hazard_slope, hazard_roughness, hazard_sunlit, \
+         hazard, invented_height; did you mean depth?",
     ),
     Case(
         "variant without its content",

@@ -7,6 +7,7 @@ mod horizon;
 mod illuminate;
 mod inspect;
 mod labels;
+mod light;
 mod methods;
 pub mod run;
 mod run_input;

@@ -60,7 +60,7 @@ fn the_pass_renders_the_shipped_scenarios_as_the_reference_does() {
     let full = std::env::var_os("SIM_FULL").map(PathBuf::from);
     let temporary = tempfile::tempdir().unwrap();
     let cache = full.as_deref().unwrap_or(temporary.path());
-    for name in ["lunar_descent", "connecting_ridge", "full_disc", "orbit_pass", "mars_gale"] {
+    for name in ["lunar_descent", "connecting_ridge", "full_disc", "orbit_pass", "mars_gale", "shadowed_crater"] {
         let Some(scenario) = load(&format!("{name}.ron")) else { continue };
         let scenario = if full.is_some() { scenario } else { smaller(scenario) };
         let mut prepared = pipeline::prepare(&scenario, cache, &Silent).unwrap();

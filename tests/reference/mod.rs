@@ -1,5 +1,6 @@
 //! Against others: closed forms, other programs, published values.
 
+mod bounce;
 mod default_kernels;
 mod detail;
 mod ephemeris;

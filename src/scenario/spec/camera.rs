@@ -48,6 +48,9 @@ pub struct Camera {
     pub samples_per_pixel: u32,
     /// Wavelengths between which the camera is sensitive, within 100 to 20 000 nm. Default: the whole spectrum.
     pub band_nm: Option<(f64, f64)>,
+    /// Instead of `band_nm` a file of two columns: wavelength in nm, and the share of the light that counts, 0 to 1, of
+    /// filters and detector together. `detector.quantum_efficiency` is then that where the share is 1.
+    pub response: Option<String>,
     /// Focal length over the diameter of the aperture. Default: 4.
     #[schemars(range(min = 0.5, max = 128.0))]
     pub f_number: Option<f64>,

@@ -16,8 +16,8 @@ pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
-    Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
-    Sky, Sun, Surface, Terrain, Values,
+    Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
+    Photometry, Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
@@ -62,6 +62,9 @@ pub struct Spec {
     /// Light from all of the sky. Default: none.
     #[serde(default)]
     pub ambient: Option<Ambient>,
+    /// Sunlight that terrain reflects onto terrain, once. Default: none.
+    #[serde(default)]
+    pub bounce: Option<Bounce>,
     /// Where the camera is.
     pub trajectory: Trajectory,
     /// Where the camera looks.
