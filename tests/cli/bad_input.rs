@@ -223,7 +223,7 @@ const RANGES: &[Case] = &[
         "List([])",
         "11:21: exposures has 0 entries, allowed are 1 to 100000",
     ),
-    Case("no outputs", "[radiance, depth]", "[]", "12:23: outputs.planes has 0 entries, allowed are 1 to 17"),
+    Case("no outputs", "[radiance, depth]", "[]", "12:23: outputs.planes has 0 entries, allowed are 1 to 64"),
     Case(
         "no elevation model",
         "[File(path: \"dem.tif\")]",
