@@ -6,7 +6,7 @@ use crate::evaluate::Error;
 use crate::horizon::{Encoding, HorizonMap, Memory, Settings};
 use crate::pipeline::{self, Prepared, Progress, ground, swath};
 use crate::render::Shadows;
-use crate::scenario::{self, Preset};
+use crate::scenario::{self, ShadowPreset};
 use crate::shadow::{At, Baked, Edge, Lighting, Mipmaps, Multiscale, SingleAzimuth, Swept};
 
 /// What is tried where nobody asks for more.
@@ -34,9 +34,9 @@ pub fn allowed() -> String {
 }
 
 /// `preset-High` and its like: those of Fritsch 2025.
-fn preset(name: &str) -> Option<Preset> {
+fn preset(name: &str) -> Option<ShadowPreset> {
     let name = name.strip_prefix("preset-")?;
-    Preset::ALL.into_iter().find(|preset| format!("{preset:?}") == name)
+    ShadowPreset::ALL.into_iter().find(|preset| format!("{preset:?}") == name)
 }
 
 /// `fourier-fm16` and its like: horizon maps in an encoding that is not the scenario's.
@@ -82,7 +82,7 @@ impl Workshop<'_> {
             _ => match encoded(name) {
                 Some(("fourier", encoding)) => Shadows::Fourier(self.encoded_maps(encoding, progress)?),
                 Some((_, encoding)) => Shadows::Baked(Baked(self.encoded_maps(encoding, progress)?)),
-                None => match preset(name).map(Preset::shadows) {
+                None => match preset(name).map(ShadowPreset::shadows) {
                     Some(scenario::Shadows::Series { visibility, coefficients, at }) => {
                         let maps = match self.maps.iter().flatten().all(|map| map.encoding == Encoding::Fm16) {
                             true => self.maps.clone(),

@@ -28,7 +28,7 @@ use crate::render::passes::Passes;
 use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Scene, Shadows, View};
-use crate::scenario::{self, Preset};
+use crate::scenario::{self, ShadowPreset};
 use crate::shadow::Mipmaps;
 use crate::terrain::{Ground as Kind, Terrain};
 
@@ -52,7 +52,7 @@ struct Method {
     printed_ms: [f64; 2],
 }
 
-/// Milliseconds on a notebook (RTX 2050) and a desktop computer (RTX 4090), in the order of [`Preset::ALL`].
+/// Milliseconds on a notebook (RTX 2050) and a desktop computer (RTX 4090), in the order of [`ShadowPreset::ALL`].
 const PRESETS_MS: [[f64; 2]; 8] = [
     [1.21, 0.107],
     [2.45, 0.204],
@@ -65,7 +65,7 @@ const PRESETS_MS: [[f64; 2]; 8] = [
 ];
 
 fn presets() -> Vec<Method> {
-    let preset = |(preset, printed_ms): (Preset, [f64; 2])| Method {
+    let preset = |(preset, printed_ms): (ShadowPreset, [f64; 2])| Method {
         name: format!("{preset:?}"),
         shadows: Box::new(move |maps| match preset.shadows() {
             scenario::Shadows::Series { visibility, coefficients, at } => {
@@ -80,7 +80,7 @@ fn presets() -> Vec<Method> {
         shadows: Box::new(|maps| Shadows::Fourier(maps.to_vec())),
         printed_ms: [f64::NAN; 2],
     };
-    Preset::ALL.into_iter().zip(PRESETS_MS).map(preset).chain([ours]).collect()
+    ShadowPreset::ALL.into_iter().zip(PRESETS_MS).map(preset).chain([ours]).collect()
 }
 
 /// Uniform stepping first, which the others are compared with; milliseconds on a GTX 970M, then none.

@@ -216,7 +216,7 @@ pub enum Shadows {
         at: At,
     },
     /// One of the eight presets of Fritsch 2025.
-    Preset(Preset),
+    Preset(ShadowPreset),
     /// From horizons for those azimuths only that the Sun's disc spans in the exposures: accurate and small where a sequence
     /// lasts hours at most, and made once for all of its images.
     Swath {
@@ -277,7 +277,7 @@ pub enum Shadows {
 
 /// Presets of Fritsch 2025, table 3: coefficients, samples across the Sun, shader stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum Preset {
+pub enum ShadowPreset {
     /// No shadows.
     None,
     /// 8, middle value, vertices.
@@ -296,7 +296,7 @@ pub enum Preset {
     VeryHighX7,
 }
 
-impl Preset {
+impl ShadowPreset {
     pub const ALL: [Self; 8] = [
         Self::None,
         Self::Low,
