@@ -8,6 +8,7 @@
 //! # Assumptions
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
+pub mod equal;
 pub mod sums;
 pub mod water;
 
@@ -202,6 +203,7 @@ impl Accumulator {
         let (levels, fields) = match self.encoding.family() {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
+            Family::Fields if self.encoding.pages().len() == 1 => equal::page(self.encoding, &self.groups),
             Family::Fields => water::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);

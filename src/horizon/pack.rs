@@ -6,6 +6,7 @@
 //! | `f4 … f16` | the same at full resolution | 16 … 64 | Fritsch et al. (2025) |
 //! | `raw8 … raw16` | elevations at 8 … 16 azimuths as half floats ([`raw`]) | 16 … 32 | Max (1988) |
 //! | `w11, w16, w21` | 31 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
+//! | `q` | 15 harmonics at full resolution in fields of bits, equal steps: made for small files ([`super::fit::equal`]) | 32 | this program |
 //!
 //! A texel at a reduced resolution stands for its box of pixels, as far as the box lies in the map. Decoding is bilinear
 //! between texel centres, the first and last texels reaching to the map's edge: texel `i` of scale `s` is centred at grid
@@ -50,7 +51,7 @@ pub struct HorizonMap {
     pub rows: usize,
     /// The encoding's pages.
     pub levels: Vec<Texels>,
-    /// What the bits of a water-filled pyramid mean, by page; empty for other encodings.
+    /// What the bits of fields mean, by page; empty for other encodings.
     pub fields: Vec<Vec<Field>>,
     pub errors: TileErrors,
     pub bounds: Bounds,
@@ -237,7 +238,7 @@ pub(super) mod tests {
             *word = if is_fields { next().to_bits().wrapping_mul(2_654_435_761) } else { pack([next(), next()]) };
         }
         let field = |word: usize, index: usize, shift: u32, width: u32| Field {
-            real: 7 * word + index,
+            real: (7 * word + index) % (2 * (encoding.harmonics() + 1)),
             word,
             shift,
             width,
@@ -297,7 +298,7 @@ pub(super) mod tests {
     fn the_shaders_are_valid_and_share_their_layout() {
         let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
             fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
-        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21] {
+        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21, Encoding::Q] {
             let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", encoding.wgsl())).unwrap();
             // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
             let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;

@@ -36,13 +36,14 @@ const BASELINE: &str = "fm16";
 const SUNS: usize = 180;
 const AZIMUTHS: usize = 2 * SUNS;
 /// Encodings whose sums are those of the first one, or the first of them.
-const FITS: [&[Encoding]; 6] = [
+const FITS: [&[Encoding]; 7] = [
     &[Encoding::Fm16, Encoding::Fm12, Encoding::Fm8, Encoding::Fm4],
     &[Encoding::F16, Encoding::F12, Encoding::F8, Encoding::F4],
     &[Encoding::Raw8],
     &[Encoding::Raw12],
     &[Encoding::Raw16],
     &[Encoding::W21, Encoding::W16, Encoding::W11],
+    &[Encoding::Q],
 ];
 /// Those that are measured with a band as well.
 const BANDED: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
@@ -275,7 +276,14 @@ impl Patch {
         sums
     }
 
-    fn horizon_row(&self, scene: &Scene, encoding: Encoding, sizes: [f64; 2], truth: &Suns, tried: &Suns) -> Vec<Value> {
+    fn horizon_row(
+        &self,
+        scene: &Scene,
+        encoding: Encoding,
+        sizes: [f64; 2],
+        truth: &Suns,
+        tried: &Suns,
+    ) -> Vec<Value> {
         let pairs = truth.iter().flatten().zip(tried.iter().flatten());
         let errors = Errors::of(pairs.map(|(truth, tried)| f64::from(tried - truth)));
         let mut row = vec![scene.name.as_str().into(), encoding.name().into()];
