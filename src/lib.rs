@@ -40,8 +40,8 @@
 //!
 //! ```text
 //! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
-//!          -> horizon -> shadow -> { render, illumination } -> { dataset, scenario } -> pipeline -> evaluate
-//!          -> compare -> main
+//!          -> horizon -> shadow -> { render, illumination } -> labels -> { dataset, scenario } -> pipeline
+//!          -> evaluate -> compare -> main
 //! ```
 //!
 //! A module uses only modules to its left. `tests/architecture.rs` reads the sources and says so.
@@ -73,6 +73,8 @@ pub mod shadow;
 
 pub mod illumination;
 pub mod render;
+
+pub mod labels;
 
 pub mod dataset;
 pub mod scenario;

@@ -10,13 +10,15 @@
 
 pub mod auto;
 mod check;
-mod error;
+mod craters;
+pub(crate) mod error;
 pub mod globe;
 pub mod ground;
 pub mod motion;
 mod progress;
 mod record;
 pub mod scene;
+mod sequence;
 pub mod swath;
 
 use std::ops::Range;
@@ -34,10 +36,11 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
+use crate::labels::{Crater, Rim, landmarks};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{DeviceGround, Renderer, Scene, Shadows};
+use crate::render::{self, DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
 use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
 
@@ -97,6 +100,8 @@ pub struct Prepared {
     pub ground: ground::Ground,
     pub exposures: Vec<Exposure>,
     pub shadows: auto::Choice,
+    /// With their rims; empty where the scenario asks for no landmarks.
+    pub craters: Vec<(Crater, Rim)>,
 }
 
 /// Kernels, terrain and poses of a scenario.
@@ -108,12 +113,14 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
+    let craters = craters::of_lists(scenario, &mut ground, cache)?;
     let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, shadows })
+    Ok(Prepared { almanac, frame, ground, exposures, shadows, craters })
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -248,6 +255,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let settings = dataset::Settings {
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
+        overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
@@ -255,13 +263,18 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 
     let start = Instant::now();
     let mut device = Duration::ZERO;
+    let mut labels = sequence::Labels::new(scenario);
     progress.begin("rendering", todo.len(), "exposures");
     for (done, &index) in todo.iter().enumerate() {
         let exposure = &prepared.exposures[index];
-        let image = renderer.render(&scene, &exposure.view)?;
+        let samples = renderer.samples(&scene, &exposure.view)?;
+        let mut image = render::planes::image(&scene, &exposure.view, &samples);
         device += renderer.device_time().unwrap_or_default();
+        image.planes.extend(labels.planes(&scene, renderer, &prepared.exposures, index, samples)?);
         let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
-        writer.submit(dataset::Exposure { index, image, facts })?;
+        let wanted = scenario.landmarks.as_ref();
+        let landmarks = wanted.map(|it| landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
+        writer.submit(dataset::Exposure { index, image, facts, landmarks })?;
         progress.at(done + 1, todo.len());
     }
     seconds.rendering = lap(start);

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of one layer do not see each other.
-const LAYERS: [&[&str]; 11] = [
+const LAYERS: [&[&str]; 12] = [
     &["quantity", "digest"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
@@ -14,6 +14,7 @@ const LAYERS: [&[&str]; 11] = [
     &["horizon"],
     &["shadow"],
     &["render", "illumination"],
+    &["labels"],
     &["dataset", "scenario"],
     &["pipeline"],
     &["evaluate"],

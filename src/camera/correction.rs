@@ -5,12 +5,14 @@
 //! ```text
 //! radial       ideal = (x, y) (1 + k₀ + k₁ r² + k₂ r⁴ + k₃ r⁶)
 //! along one axis   y_ideal = y / (1 + k y²), x unchanged             (LROC NAC)
+//! added        ideal = (x, y) + c₀ + c₁ r + c₂ r² + c₃ r³                (Kaguya TC, MI)
 //! ```
 //!
 //! [`super::Distortion`] goes the other way. The inverse is found by fixed point: distortions are small.
 //!
 //! # References
-//! ISIS camera models (`ApolloMetricDistortionMap`, `LroNarrowAngleDistortionMap`); CSM ISD keys `radial`, `lrolrocnac`.
+//! ISIS camera models (`ApolloMetricDistortionMap`, `LroNarrowAngleDistortionMap`); CSM ISD keys `radial`, `lrolrocnac`,
+//! `kaguyalism`; Kaguya's instrument kernels SEL_TC_V01.TI and SEL_MI_V01.TI.
 
 use glam::DVec2;
 
@@ -21,6 +23,8 @@ pub enum Correction {
     Radial([f64; 4]),
     /// `k`, along the image's columns (+x) only.
     AcrossTrack(f64),
+    /// `c₀` to `c₃`.
+    Added([DVec2; 4]),
 }
 
 /// Rounds of the fixed point; each gains the digits of the distortion's size, 1e-3 or better.
@@ -43,6 +47,10 @@ impl Correction {
                 measured * (1.0 + k0 + r2 * (k1 + r2 * (k2 + r2 * k3)))
             }
             Self::AcrossTrack(k) => DVec2::new(measured.x / (1.0 + k * measured.x * measured.x), measured.y),
+            Self::Added([c0, c1, c2, c3]) => {
+                let r = measured.length();
+                measured + c0 + r * (c1 + r * (c2 + r * c3))
+            }
         }
     }
 
@@ -68,9 +76,10 @@ mod tests {
     fn corrections_round_trip() {
         let apollo = Correction::radial_mm([-0.13361854e-5, 0.52261757e-9, -0.50728336e-13], 76.054);
         let nac = Correction::AcrossTrack(1.81e-5 * 699.62 * 699.62);
-        for correction in [apollo, nac] {
+        let kaguya = Correction::Added([[1e-3, -3e-4], [-1e-3, 1.4e-3], [7e-2, 1e-3], [4e-2, 1e-2]].map(DVec2::from));
+        for correction in [apollo, nac, kaguya] {
             for (x, y) in [(0.0, 0.0), (0.02, -0.01), (-0.7, 0.7), (0.025, 0.3)] {
-                let ideal = DVec2::new(x, y) * if correction == nac { 0.03 } else { 1.0 };
+                let ideal = DVec2::new(x, y) * if correction == apollo { 1.0 } else { 0.03 };
                 let back = correction.ideal(correction.measured(ideal).unwrap());
                 assert!((back - ideal).length() < 1e-12, "{back} {ideal}");
             }

@@ -14,7 +14,7 @@
 //! slerp.
 //!
 //! # Assumptions
-//! - Sample and line axes are perpendicular. Distortion is none, `radial` or `lrolrocnac`.
+//! - Sample and line axes are perpendicular. Distortion is none, `radial`, `lrolrocnac` or `kaguyalism`.
 //! - The Sun stands still during the image: at the centre time.
 //!
 //! # References
@@ -303,26 +303,43 @@ impl Reader<'_> {
         if isd.framelets_flipped {
             optics = optics.with_rows_turned_over();
         }
-        if let Some(correction) = self.correction(focal_mm)? {
+        // Focal-plane coordinates along the image's right and down.
+        let across = samples.normalize();
+        let in_image = |plane: DVec2| DVec2::new(across.dot(plane), sign * across.perp_dot(plane));
+        if let Some(correction) = self.correction(focal_mm, &in_image)? {
             optics = optics.with_correction(correction).map_err(camera)?;
         }
         Ok((optics, DMat3::from_cols(right, down, forward)))
     }
 
     /// On the plane at distance 1; `None` where nothing is to be corrected.
-    fn correction(&self, focal_mm: f64) -> Result<Option<Correction>, IsdError> {
+    fn correction(&self, focal_mm: f64, in_image: &dyn Fn(DVec2) -> DVec2) -> Result<Option<Correction>, IsdError> {
         let Some((model, value)) = self.isd.optical_distortion.iter().next() else { return Ok(None) };
-        let coefficients = value.get("coefficients").and_then(|list| list.as_array()).cloned().unwrap_or_default();
-        let k: Vec<f64> = coefficients.iter().filter_map(serde_json::Value::as_f64).collect();
-        if k.iter().all(|k| *k == 0.0) {
-            return Ok(None);
-        }
+        let numbers = |key: &str| -> Vec<f64> {
+            value[key].as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
+        };
         let f2 = focal_mm * focal_mm;
-        match (model.as_str(), &k[..]) {
-            ("radial", &[k0, k1, k2]) => Ok(Some(Correction::Radial([-k0, -k1 * f2, -k2 * f2 * f2, 0.0]))),
-            ("lrolrocnac", &[k, ..]) => Ok(Some(Correction::AcrossTrack(k * f2))),
-            _ => Err(self.value("optical_distortion", model, "radial with 3 coefficients, or lrolrocnac with 1")),
-        }
+        let correction = match (model.as_str(), &numbers("coefficients")[..], &numbers("x")[..], &numbers("y")[..]) {
+            ("radial", &[k0, k1, k2], ..) => Correction::Radial([-k0, -k1 * f2, -k2 * f2 * f2, 0.0]),
+            ("lrolrocnac", &[k, ..], ..) => Correction::AcrossTrack(k * f2),
+            ("kaguyalism", _, &[a0, a1, a2, a3], &[b0, b1, b2, b3]) => {
+                let boresight = |key: &str| value[key].as_f64().unwrap_or(0.0);
+                let (x0, y0) = (a0 + boresight("boresight_x"), b0 + boresight("boresight_y"));
+                let mm = [(x0, y0), (a1, b1), (a2, b2), (a3, b3)].map(|(x, y)| in_image(DVec2::new(x, y)));
+                // A power of r in mm over one in focal lengths.
+                Correction::Added(std::array::from_fn(|k| mm[k] * focal_mm.powi(k as i32 - 1)))
+            }
+            (_, [], [], []) => return Ok(None),
+            (_, coefficients, ..) if !coefficients.is_empty() && coefficients.iter().all(|k| *k == 0.0) => {
+                return Ok(None);
+            }
+            _ => {
+                let allowed = "radial with 3 coefficients, lrolrocnac with 1, kaguyalism with 4 for x and y each";
+                return Err(self.value("optical_distortion", model, allowed));
+            }
+        };
+        let nothing = matches!(correction, Correction::Radial(k) if k == [0.0; 4]);
+        Ok((!nothing).then_some(correction))
     }
 
     fn body(&self) -> Result<Body, IsdError> {

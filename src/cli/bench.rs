@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use perilune::evaluate::illumination::percentages;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
 use perilune::evaluate::{Report, frame, horizons, shadows, stability};
-use perilune::scenario;
 
+use super::Outcome;
 use super::bars::Bars;
+use super::common::Files;
 use super::run::exposures;
-use super::{Outcome, about};
 
 /// Measure how fast and how right: horizons, images, shadows.
 #[derive(Debug, clap::Args)]
@@ -21,28 +22,12 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Bench {
-    /// Speed, error and memory of horizons, and of the shadows they cast.
-    Horizon {
-        /// One small scene, in a third of the azimuths, without the heavy tables
-        #[arg(long)]
-        quick: bool,
-        /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.
-        #[arg(long)]
-        data: Vec<PathBuf>,
-        #[command(flatten)]
-        output: Output,
-    },
-    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones.
-    Encodings {
-        /// Two scenes, smaller patches
-        #[arg(long)]
-        quick: bool,
-        /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.
-        #[arg(long)]
-        data: Vec<PathBuf>,
-        #[command(flatten)]
-        output: Output,
-    },
+    /// Speed, error and memory of horizons, and of the shadows they cast. Quick: one small scene, a third of the azimuths
+    Horizon(Tables),
+    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: two scenes
+    Encodings(Tables),
+    /// Illumination by each kind of skyline, and beside published percentages. Quick: some encodings, some places
+    Illumination(Tables),
     /// Where the time of an image goes.
     Frame {
         #[command(flatten)]
@@ -91,16 +76,31 @@ enum Bench {
     },
 }
 
+/// What benchmarks over data have in common.
+#[derive(Debug, clap::Args)]
+struct Tables {
+    /// Less of it, for a first look
+    #[arg(long)]
+    quick: bool,
+    /// A folder with real elevation models in dem/, before `SIM_DATA`. Repeatable.
+    #[arg(long)]
+    data: Vec<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+impl Tables {
+    fn folders(&self) -> Vec<PathBuf> {
+        self.data.iter().cloned().chain(std::env::var_os("SIM_DATA").map(PathBuf::from)).collect()
+    }
+}
+
 #[derive(Debug, clap::Args)]
 struct Scene {
     /// The scenario; a bare name is also looked for in `scenarios/`.
     scenario: PathBuf,
-    /// A directory in which files are looked for, before `SIM_DATA`. Repeatable.
-    #[arg(long)]
-    data: Vec<PathBuf>,
-    /// Where synthetic terrain and horizon tiles are kept for the next run.
-    #[arg(long, default_value = "output/cache")]
-    cache: PathBuf,
+    #[command(flatten)]
+    files: Files,
 }
 
 #[derive(Debug, clap::Args)]
@@ -116,24 +116,28 @@ struct Output {
 pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let (report, output) = match args.bench {
-        Bench::Horizon { quick, mut data, output } => {
-            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
-            let mut options = horizons::Options::new(quick, data);
+        Bench::Horizon(tables) => {
+            let mut options = horizons::Options::new(tables.quick, tables.folders());
             options.program = std::env::current_exe().ok();
-            (horizons::run(&options, &bars)?, output)
+            (horizons::run(&options, &bars)?, tables.output)
         }
-        Bench::Encodings { quick, mut data, output } => {
-            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
-            (horizons::run_encodings(&horizons::Options::new(quick, data), &bars)?, output)
+        Bench::Encodings(tables) => {
+            let options = horizons::Options::new(tables.quick, tables.folders());
+            (horizons::run_encodings(&options, &bars)?, tables.output)
+        }
+        Bench::Illumination(tables) => {
+            let options = percentages::Options { quick: tables.quick, folders: tables.folders() };
+            (percentages::run(&options, &bars)?, tables.output)
         }
         Bench::Frame { scene, frames, repeat, output } => {
-            let options = frame::Options { exposures: frames, repeat, cache: scene.cache };
-            (frame::run(&scenario::load(&scene.scenario, &scene.data, &about)?, &options, &bars)?, output)
+            let options = frame::Options { exposures: frames, repeat, cache: scene.files.cache.clone() };
+            (frame::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
         }
         Bench::Shadows { scene, exposure, size, elevations, repeat, quick, methods, output } => {
             let (pixels, elevations) = if quick { (256, Some(QUICK_DEG.to_vec())) } else { (size, elevations) };
-            let options = shadows::Options { exposure, pixels, methods: all_of(methods), cache: scene.cache };
-            let scenario = scenario::load(&scene.scenario, &scene.data, &about)?;
+            let options =
+                shadows::Options { exposure, pixels, methods: all_of(methods), cache: scene.files.cache.clone() };
+            let scenario = scene.files.scenario(&scene.scenario)?;
             let report = match elevations {
                 None => shadows::run(&scenario, &options, &bars)?,
                 Some(elevations_deg) => matrix::run(&scenario, &options, &elevations_deg, repeat, &bars)?,

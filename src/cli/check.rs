@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use perilune::pipeline;
-use perilune::scenario::{self, ScenarioError};
+use perilune::scenario::ScenarioError;
 use serde_json::{Value as Json, json};
 
 use super::bars::Bars;
-use super::{Outcome, Problems, about, chain, say};
+use super::common::Files;
+use super::{Outcome, Problems, chain, say};
 
 /// More problems of one scenario than these are one problem, seen at many exposures.
 const LISTED: usize = 20;
@@ -21,19 +22,15 @@ const LISTED: usize = 20;
 pub struct Args {
     /// The scenario; a bare name is also looked for in `scenarios/`
     scenario: PathBuf,
-    /// Directory in which files are looked for, before `SIM_DATA`; may be given several times
-    #[arg(long, value_name = "DIR")]
-    data: Vec<PathBuf>,
-    /// Where runs keep synthetic terrain
-    #[arg(long, value_name = "DIR", default_value = "output/cache")]
-    cache: PathBuf,
+    #[command(flatten)]
+    files: Files,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: Args) -> Outcome {
-    let scenario = match scenario::load(&args.scenario, &args.data, &about) {
+    let scenario = match args.files.scenario(&args.scenario) {
         Ok(scenario) => scenario,
         Err(error) => {
             if args.json {
@@ -43,7 +40,7 @@ pub fn run(args: Args) -> Outcome {
         }
     };
     let bars = Bars::new();
-    let checked = pipeline::check(&scenario, &args.cache, &bars);
+    let checked = pipeline::check(&scenario, &args.files.cache, &bars);
     bars.clear();
     let path = scenario.path.display();
     let mut problems: Vec<String> = checked.problems.iter().map(|problem| chain(problem)).collect();

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use perilune::compare::{Freedom, GeometrySource, Law, Model, Request, compare};
-use perilune::scenario;
 
 use super::bars::Bars;
+use super::common::Files;
 use super::run::Adapter;
-use super::{Outcome, about, say};
+use super::{Outcome, say};
 
 /// Hold a mission photograph against a render of the same view.
 ///
@@ -37,7 +37,7 @@ pub struct Args {
     /// How the image may be moved to meet the render
     #[arg(long, value_enum, default_value_t)]
     register: Registration,
-    /// Turn the camera as the motion of the image asks, set its focal length, and render once more
+    /// Turn the camera as the motion of the image asks, set its focal length, and render anew until nothing moves
     #[arg(long)]
     fit_pose: bool,
     /// What may lie between radiance and the photograph's numbers
@@ -55,18 +55,14 @@ pub struct Args {
     /// Band of the photograph, counted from 1, where there are several
     #[arg(long, value_name = "N")]
     band: Option<usize>,
-    /// Leave out the variants of the physics
+    /// Leave out the variants of the physics and of the Sun's place
     #[arg(long)]
     no_ablation: bool,
     /// Directory of the report [default: output/compare/PHOTO]
     #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Directory in which horizon tiles are kept for the next run
-    #[arg(long, value_name = "DIR", default_value = "output/cache")]
-    cache: PathBuf,
-    /// Directory in which a scenario's files are looked for, before `SIM_DATA`; may be given several times
-    #[arg(long, value_name = "DIR")]
-    data: Vec<PathBuf>,
+    #[command(flatten)]
+    files: Files,
     /// Who renders
     #[arg(long, value_enum, default_value_t)]
     adapter: Adapter,
@@ -147,7 +143,7 @@ impl From<Fit> for Model {
 pub fn run(args: Args) -> Outcome {
     let is_scenario = args.geometry.extension().is_some_and(|extension| extension == "ron");
     let geometry = if is_scenario {
-        let scenario = Box::new(scenario::load(&args.geometry, &args.data, &about)?);
+        let scenario = Box::new(args.files.scenario(&args.geometry)?);
         GeometrySource::Scenario { scenario, exposure: args.image }
     } else {
         GeometrySource::File(args.geometry)
@@ -167,7 +163,8 @@ pub fn run(args: Args) -> Outcome {
         dark: args.dark,
         pixels: args.size,
         ablation: !args.no_ablation,
-        cache: args.cache,
+        turn_sun: !args.no_ablation,
+        cache: args.files.cache,
         adapter: args.adapter.into(),
     };
     let output = args.output.unwrap_or_else(|| PathBuf::from("output/compare").join(stem));

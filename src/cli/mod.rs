@@ -8,6 +8,7 @@ use perilune::geometry::Geodetic;
 pub mod bars;
 pub mod bench;
 pub mod check;
+mod common;
 pub mod compare;
 pub mod horizon;
 pub mod illuminate;

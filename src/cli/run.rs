@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use perilune::pipeline::{self, AdapterChoice, Options, Report};
-use perilune::scenario;
 
 use super::bars::Bars;
-use super::{Outcome, about, say};
+use super::common::Files;
+use super::{Outcome, say};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
 ///
@@ -21,12 +21,8 @@ pub struct Args {
     /// Directory of the images [default: output/NAME]
     #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Directory in which synthetic terrain and horizon tiles are kept for the next run
-    #[arg(long, value_name = "DIR", default_value = "output/cache")]
-    cache: PathBuf,
-    /// Directory in which files are looked for, before `SIM_DATA`; may be given several times
-    #[arg(long, value_name = "DIR")]
-    data: Vec<PathBuf>,
+    #[command(flatten)]
+    files: Files,
     /// Render exposures A to B−1 only, counted from 0
     #[arg(long, value_name = "A..B", value_parser = exposures)]
     frames: Option<Range<usize>>,
@@ -77,10 +73,10 @@ pub fn exposures(text: &str) -> Result<Range<usize>, String> {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let scenario = scenario::load(&args.scenario, &args.data, &about)?;
+    let scenario = args.files.scenario(&args.scenario)?;
     let options = Options {
         output: args.output.unwrap_or_else(|| PathBuf::from("output").join(&scenario.name)),
-        cache: args.cache,
+        cache: args.files.cache,
         exposures: args.frames,
         resume: args.resume,
         adapter: args.adapter.into(),

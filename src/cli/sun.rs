@@ -1,16 +1,14 @@
 //! `sim sun`.
 
-use std::path::PathBuf;
-
 use hifitime::{Duration, Epoch, Unit};
 use perilune::ephemeris::{
-    Almanac, BodyFrame, EphemerisError, Horizontal, Source, default_kernel_folder, earth, horizontal, parse_epoch, sun,
-    utc_text,
+    Almanac, BodyFrame, EphemerisError, Horizontal, Source, earth, horizontal, parse_epoch, sun, utc_text,
 };
 use perilune::geometry::{BodyFixed, Geodetic, Position};
 use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
 
+use super::common::Kernels;
 use super::{Outcome, say};
 
 /// Where the Sun and the Earth stand in the sky of a place.
@@ -34,9 +32,8 @@ pub struct Args {
     /// Step of a series, as 30min, 1h or 12.5s
     #[arg(long, requires = "until", value_parser = parse_step)]
     step: Option<Duration>,
-    /// Kernel to load instead of the default ones; may be given several times
-    #[arg(long = "kernel", value_name = "FILE")]
-    kernels: Vec<PathBuf>,
+    #[command(flatten)]
+    kernels: Kernels,
     /// Body-fixed frame, as MOON_ME_DE421; by default the best that the kernels have
     #[arg(long)]
     frame: Option<String>,
@@ -64,11 +61,7 @@ struct Row {
 }
 
 pub fn run(args: Args) -> Outcome {
-    let almanac = if args.kernels.is_empty() {
-        Almanac::default_kernels(&default_kernel_folder())?
-    } else {
-        Almanac::load(&args.kernels)?
-    };
+    let almanac = args.kernels.almanac()?;
     let frame = almanac.body_frame(&args.body, args.frame.as_deref())?;
     let point = frame.body.position_from_geodetic(args.at);
     let rows: Vec<Row> = epochs(&args)?

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::pipeline::error::wraps_stages;
+
 /// Any stage's error; the stages' own say what was met and what is allowed.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -10,19 +12,7 @@ pub enum Error {
     #[error(transparent)]
     Evaluate(#[from] crate::evaluate::Error),
     #[error(transparent)]
-    Raster(#[from] crate::raster::Error),
-    #[error(transparent)]
-    Camera(#[from] crate::camera::CameraError),
-    #[error(transparent)]
     Isd(#[from] crate::camera::IsdError),
-    #[error(transparent)]
-    Horizon(#[from] crate::horizon::Error),
-    #[error(transparent)]
-    Photometry(#[from] crate::photometry::PhotometryError),
-    #[error(transparent)]
-    Render(#[from] crate::render::RenderError),
-    #[error(transparent)]
-    Dataset(#[from] crate::dataset::DatasetError),
     #[error("cannot read {path}")]
     Read { path: PathBuf, source: std::io::Error },
     #[error("{path} is neither a frame of ours nor a CSM ISD")]
@@ -48,3 +38,12 @@ pub enum Error {
     #[error("the photograph is the same everywhere within {pixels} pixels: nothing can be registered")]
     Featureless { pixels: usize },
 }
+
+wraps_stages!(
+    Error: crate::raster::Error,
+    crate::camera::CameraError,
+    crate::horizon::Error,
+    crate::photometry::PhotometryError,
+    crate::render::RenderError,
+    crate::dataset::DatasetError,
+);

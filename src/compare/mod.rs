@@ -22,6 +22,7 @@ pub mod register;
 pub mod render;
 pub mod report;
 pub mod request;
+pub mod scales;
 pub mod study;
 
 pub use crate::evaluate::images::{Grid, edges, flip, grid, statistics};

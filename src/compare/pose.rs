@@ -14,8 +14,9 @@
 //!
 //! # Assumptions
 //! The place stays: a shift of the ground and a turn are one and the same in a single image, to the parallax of its
-//! relief. A scale may be told as the focal length or as the distance. Deviations are the motion's, one by one. A
-//! scanner's scale along its track is its speed, which no focal length explains: [`PoseFit::left_px`] tells what is left.
+//! relief. A scale may be told as the focal length or as the distance. Deviations are the motion's, one by one; errors of
+//! the shading and of the terrain that the whole image shares are not in them: on a known scene of 144 pixels the turns
+//! come to rest within 1.6 of them, the focal length 4 of them off, 3e-4 or 0.02 pixels at the image's edge. A scanner's scale along its track is its speed, which no focal length explains: [`PoseFit::left_px`] tells what is left.
 
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
@@ -71,6 +72,14 @@ pub fn explain(camera: &PosedCamera, surface: &Surface, registration: &Registrat
 }
 
 impl PoseFit {
+    /// This pose of a camera that has an earlier one already, told from where that began.
+    pub fn after(&self, earlier: Option<Self>) -> Self {
+        let Some(earlier) = earlier else { return *self };
+        let turn = |pose: &Self| DQuat::from_scaled_axis(pose.turn_rad.into());
+        let turn_rad = (turn(&earlier) * turn(self)).to_scaled_axis().to_array();
+        Self { turn_rad, focal: (1.0 + earlier.focal) * (1.0 + self.focal) - 1.0, ..*self }
+    }
+
     /// The camera with this pose.
     pub fn apply(&self, camera: &PosedCamera) -> PosedCamera {
         let mut optics = camera.optics.clone();
@@ -132,4 +141,36 @@ fn fit(sights: &[(DVec3, DVec3)], freedom: Freedom) -> Option<([f64; UNKNOWNS], 
     let left: f64 = sights.iter().map(|(v, u)| u.distance_squared(predicted(turn, focal, *v))).sum();
     let [a, b, c] = turn.to_scaled_axis().to_array();
     Some(([a, b, c, focal], (left / sights.len() as f64).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::geometry::Position;
+
+    #[test]
+    fn one_pose_after_another_is_both_at_once() {
+        let pose = |turn_rad: [f64; 3], focal: f64| PoseFit {
+            turn_rad,
+            turn_sigma_rad: [0.0; 3],
+            focal,
+            focal_sigma: 0.0,
+            left_px: 0.0,
+        };
+        let camera = PosedCamera {
+            optics: Camera::pinhole(10, 10, DVec2::splat(100.0)).unwrap(),
+            poses: vec![Pose {
+                position: Position::from_m(DVec3::X),
+                camera_from_body: Rotation::from_axes(DVec3::Y, DVec3::Z, DVec3::X),
+            }],
+        };
+        let (first, second) = (pose([0.1, -0.2, 0.3], 0.02), pose([-0.05, 0.02, 0.04], -0.01));
+        let step_by_step = second.apply(&first.apply(&camera));
+        let at_once = second.after(Some(first)).apply(&camera);
+        let matrices = [&step_by_step, &at_once].map(|camera| camera.poses[0].camera_from_body.matrix());
+        assert!((matrices[0] - matrices[1]).to_cols_array().iter().all(|entry| entry.abs() < 1e-15));
+        assert!((step_by_step.optics.focal_px - at_once.optics.focal_px).length() < 1e-12);
+        assert_eq!(first.after(None), first);
+    }
 }

@@ -85,6 +85,12 @@ impl Motion {
         middle + (1.0 + self.scale) * turned + DVec2::from(self.shift_px)
     }
 
+    /// How far it moves the corner of an image, at most.
+    pub fn corner_px(&self, columns: usize, rows: usize) -> f64 {
+        let [x, y] = self.shift_px;
+        x.hypot(y) + middle(columns, rows).length() * self.rotation_rad.hypot(self.scale)
+    }
+
     /// `self` of what `first` gives.
     fn after(&self, first: &Self) -> Self {
         let turned = DVec2::from_angle(self.rotation_rad).rotate(first.shift_px.into());
@@ -292,8 +298,7 @@ impl Fit<'_> {
     }
 
     fn is_lost(&self, motion: &Motion) -> bool {
-        let [x, y] = motion.shift_px;
-        let corner_px = x.hypot(y) + self.arm_px() * motion.rotation_rad.hypot(motion.scale);
+        let corner_px = motion.corner_px(self.photo.columns, self.photo.rows);
         corner_px.is_nan() || corner_px > LOST * self.photo.columns.max(self.photo.rows) as f64
     }
 

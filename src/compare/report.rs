@@ -89,6 +89,7 @@ impl Comparison {
         let mut tables = vec![self.registration_table()];
         tables.extend(self.pose_tables());
         tables.push(self.numbers_table());
+        tables.push(self.scales_table());
         tables.extend(self.shadow_tables());
         if !self.ablation.is_empty() {
             tables.push(self.ablation_table());
@@ -190,6 +191,18 @@ impl Comparison {
         table
     }
 
+    fn scales_table(&self) -> Table {
+        let columns =
+            [("wavelength", "m"), ("pixels", "px"), ("correlation", ""), ("contrast, render over photograph", "")];
+        let mut table = Table::new("scales", "Likeness size by size", &columns);
+        for scale in &self.scales {
+            let wavelength_m = scale.wavelength_px * self.resolution.compared_pixel_m;
+            let row = [wavelength_m, scale.wavelength_px, scale.correlation, scale.contrast];
+            table.rows.push(row.map(Value::from).to_vec());
+        }
+        table
+    }
+
     fn shadow_tables(&self) -> Vec<Table> {
         let mut tables = Vec::new();
         if let Some(c) = &self.confusion {
@@ -271,6 +284,7 @@ impl Comparison {
             "fitted_pose": self.fitted_pose,
             "response": self.response,
             "numbers": self.numbers,
+            "scales": self.scales,
             "responses": self.responses.iter().map(|(model, response, numbers)| {
                 json!({ "model": model, "response": response, "numbers": numbers })
             }).collect::<Vec<_>>(),

@@ -24,14 +24,17 @@ pub struct Request {
     /// `None`: a scenario's own, else lunar-Lambert.
     pub law: Option<Law>,
     pub freedom: Freedom,
-    /// Take the pose that explains the motion, and render once more.
+    /// Take the pose that explains the motion and render anew, until nothing moves.
     pub fit_pose: bool,
     pub model: Model,
     /// Jung's dark level, a share of the photograph's largest number.
     pub dark: f64,
     /// Pixels along the longer side; `None`: as many as the elevation model resolves.
     pub pixels: Option<usize>,
+    /// Compare variants of the physics.
     pub ablation: bool,
+    /// Ask the photograph where it has the Sun.
+    pub turn_sun: bool,
     pub cache: PathBuf,
     pub adapter: AdapterChoice,
 }

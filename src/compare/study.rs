@@ -27,6 +27,7 @@ use super::profile::{self, Bin, Profile};
 use super::register::{Registration, register_detail, warped};
 use super::render::{Planes, Stage, Studio, Trial};
 use super::request::{GeometrySource, Law, Request};
+use super::scales::{Scale, scales};
 use super::{Error, Geometry, Grid, provenance};
 use crate::camera::PosedCamera;
 use crate::geometry::{BodyFixed, Position};
@@ -44,6 +45,11 @@ const FINER: f64 = 3.0;
 pub const BORDER: f64 = 0.03;
 /// Standard deviation of the Gaussian that the high-pass takes away, over the longer side.
 pub const HIGH_PASS: f64 = 1.0 / 16.0;
+
+/// Times that a pose is taken and the view rendered anew: what the first leaves is a tenth of a pixel at most.
+const POSE_ROUNDS: usize = 4;
+/// A pose is taken no further once the image's corner moves by less.
+const POSE_SETTLED_PX: f64 = 0.01;
 
 /// All that a report tells.
 #[derive(Debug, Clone)]
@@ -64,6 +70,8 @@ pub struct Comparison {
     pub fitted_pose: Option<PoseFit>,
     pub response: Response,
     pub numbers: Numbers,
+    /// Likeness size by size.
+    pub scales: Vec<Scale>,
     /// Every photometric model with its fit.
     pub responses: Vec<(Model, Response, Numbers)>,
     pub confusion: Option<Confusion>,
@@ -105,6 +113,14 @@ pub struct Resolution {
     pub range_m: f64,
 }
 
+/// The view, rendered and registered.
+struct Registered {
+    planes: Planes,
+    radiance: Grid,
+    registration: Registration,
+    pose: Option<PoseFit>,
+}
+
 /// Compares a photograph with its render.
 pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison, Error> {
     let albedo = check_albedo(request)?;
@@ -112,42 +128,44 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let main = main_trial(request)?;
     let Prepared { mut geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
     let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
-    let mut camera = geometry.camera.coarser(resolution.render_factor())?;
-    let mut sky = Sky::of(&geometry, &camera, &scene.surface).ok_or_else(|| no_ground(request, &geometry))?;
-    let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: samples(request, &resolution) };
+    let stage_of = |geometry: &Geometry, surface: &Surface| {
+        let camera = geometry.camera.coarser(resolution.render_factor())?;
+        let sky = Sky::of(geometry, &camera, surface).ok_or_else(|| no_ground(request, geometry))?;
+        Ok::<_, Error>((camera, sky))
+    };
+    let (mut camera, mut sky) = stage_of(&geometry, &scene.surface)?;
+    let samples = samples(request, &resolution);
+    let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples };
     let mut studio = Studio::new(&stage, scene, request.adapter)?;
 
-    let passes = 1 + usize::from(request.fit_pose);
-    progress.begin("rendering", passes, "images");
-    let mut planes = studio.whole(&main)?;
-    progress.at(1, passes);
-    let seen = |image: Grid| resolution.seen(image);
     let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
-    let photo = seen(photo);
+    let photo = resolution.seen(photo);
     let photo = photo.without_border(border(photo.columns), border(photo.rows));
-    let mut radiance = seen(planes.grid("RADIANCE"));
     let high_pass_px = resolution.high_pass_px;
-    let registered = |radiance: &Grid| register_detail(&photo, radiance, high_pass_px, request.freedom);
-    let mut registration = registered(&radiance)?;
-    let explained = |geometry: &Geometry, studio: &Studio, registration: &Registration| {
+    let register = |studio: &mut Studio, geometry: &Geometry| {
+        let planes = studio.whole(&main)?;
+        let radiance = resolution.seen(planes.grid("RADIANCE"));
+        let registration = register_detail(&photo, &radiance, high_pass_px, request.freedom)?;
         let compared = geometry.camera.coarser(resolution.factor())?;
-        Ok::<_, Error>(pose::explain(&compared, studio.surface(), registration))
+        let pose = pose::explain(&compared, studio.surface(), &registration);
+        Ok::<_, Error>(Registered { planes, radiance, registration, pose })
     };
-    let mut pose = explained(&geometry, &studio, &registration)?;
-    let fitted_pose = pose.filter(|_| request.fit_pose);
-    if let Some(fitted) = &fitted_pose {
-        geometry.camera = fitted.apply(&geometry.camera);
-        camera = geometry.camera.coarser(resolution.render_factor())?;
-        sky = Sky::of(&geometry, &camera, studio.surface()).ok_or_else(|| no_ground(request, &geometry))?;
-        let samples = samples(request, &resolution);
+    let rounds = if request.fit_pose { POSE_ROUNDS } else { 0 };
+    progress.begin("rendering", 1 + rounds, "images");
+    let mut registered = register(&mut studio, &geometry)?;
+    let mut fitted_pose = None;
+    for round in 1..=rounds {
+        progress.at(round, 1 + rounds);
+        let still = registered.registration.motion.corner_px(photo.columns, photo.rows) < POSE_SETTLED_PX;
+        let Some(pose) = registered.pose.filter(|_| !still) else { break };
+        geometry.camera = pose.apply(&geometry.camera);
+        fitted_pose = Some(pose.after(fitted_pose));
+        (camera, sky) = stage_of(&geometry, studio.surface())?;
         studio.restage(&Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples });
-        planes = studio.whole(&main)?;
-        progress.at(passes, passes);
-        radiance = seen(planes.grid("RADIANCE"));
-        registration = registered(&radiance)?;
-        pose = explained(&geometry, &studio, &registration)?;
+        registered = register(&mut studio, &geometry)?;
     }
+    let Registered { planes, radiance, registration, pose } = registered;
     let moved = |image: &Grid| warped(image, &registration.motion);
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
@@ -174,19 +192,18 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         freedom: request.freedom,
         model: request.model,
     };
-    let (ablation, sun) = match request.ablation {
-        true => {
-            let rows = ablation::run(&mut studio, &main, &setting, progress)?;
-            (rows, Some(ablation::sun(&mut studio, &main, &setting, progress)?))
-        }
-        false => (Vec::new(), None),
+    let ablation = match request.ablation {
+        true => ablation::run(&mut studio, &main, &setting, progress)?,
+        false => Vec::new(),
     };
+    let sun = request.turn_sun.then(|| ablation::sun(&mut studio, &main, &setting, progress)).transpose()?;
     Ok(Comparison {
         photo_name: ground::file_name(&request.photo),
         geometry: geometry.source,
         adapter: studio.adapter(),
         dems: inputs.iter().map(|input| format!("{} (SHA-256 {})", input.name, input.sha256)).collect(),
         law: main.name,
+        scales: scales(&photo, &fitted),
         model,
         albedo,
         resolution,

@@ -85,6 +85,7 @@ fn json_file(path: &Path, bytes: &[u8]) -> Result<Json, DatasetError> {
         serde_json::from_slice(bytes).map_err(|source| DatasetError::Json { path: path.to_path_buf(), source })?;
     let kind = match &content {
         content if content.get("exposures_planned").is_some() => "manifest",
+        content if content.get("landmarks").is_some() => "landmarks",
         content if content.get("frame_id").is_some() => "record",
         _ => return Err(DatasetError::UnknownFile { path: path.to_path_buf() }),
     };

@@ -4,6 +4,8 @@
 //! exposure_0007.exr    planes, 32-bit floats, one channel each; units and the record in the header
 //! exposure_0007.tif    the same as pages of a TIFF, on request
 //! exposure_0007.png    preview, 16 bits, linear; white is the same for the whole sequence
+//! exposure_0007.landmarks.json   craters as ellipses and conics, on request ([`crate::labels`])
+//! exposure_0007.landmarks.png    the preview with the ellipses drawn over it, on request
 //! exposure_0007.json   record: epoch, poses, Sun, inputs, hashes of the files above
 //! manifest.json        versions, inputs, settings, exposures with their hashes
 //! poses.csv            camera and Sun, one line an exposure
@@ -22,6 +24,7 @@ mod contact_sheet;
 mod error;
 mod exr_file;
 mod inspect;
+mod landmarks;
 mod manifest;
 mod png_file;
 mod poses;
@@ -35,6 +38,7 @@ pub use atomic::{check_writable, write as write_whole};
 pub use error::DatasetError;
 pub use exr_file::{ExrFile, read_exr, write_exr};
 pub use inspect::inspect;
+pub use landmarks::LandmarkFile;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{

@@ -1,4 +1,4 @@
-//! Grey PNG files with a line of text in their header.
+//! PNG files with a line of text in their header.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -19,6 +19,11 @@ pub fn encode_16(path: &Path, size: [usize; 2], dn: &[u16], comment: &str) -> Re
 /// 8 bits a pixel, row by row.
 pub fn encode_8(path: &Path, size: [usize; 2], dn: &[u8], comment: &str) -> Result<Vec<u8>, DatasetError> {
     encode(path, size, dn, ExtendedColorType::L8, comment)
+}
+
+/// 8 bits of red, green and blue a pixel, row by row.
+pub fn encode_rgb_8(path: &Path, size: [usize; 2], rgb: &[u8], comment: &str) -> Result<Vec<u8>, DatasetError> {
+    encode(path, size, rgb, ExtendedColorType::Rgb8, comment)
 }
 
 fn encode(

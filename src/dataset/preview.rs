@@ -96,7 +96,7 @@ impl Thumbnail {
 }
 
 /// `255 (DN / 65535)^(1/2.2)`.
-fn gamma(dn: f64) -> u8 {
+pub fn gamma(dn: f64) -> u8 {
     (255.0 * (dn / 65535.0).powf(1.0 / 2.2)).round() as u8
 }
 

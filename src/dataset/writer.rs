@@ -14,12 +14,14 @@ use super::atomic::{self, PARTIAL};
 use super::contact_sheet;
 use super::error::DatasetError;
 use super::exr_file;
+use super::landmarks::{self, LandmarkFile};
 use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
 use super::png_file;
 use super::poses;
 use super::preview::{self, Thumbnail, White};
 use super::record::{self, Facts, FileRecord, PreviewRecord, Record, SCHEMA_VERSION};
 use super::tiff_file;
+use crate::labels::Landmark;
 use crate::render::{Image, Quantity};
 
 /// Images that wait to be written; each may take some hundred megabytes.
@@ -28,6 +30,8 @@ const MANIFEST: &str = "manifest.json";
 const POSES: &str = "poses.csv";
 const SHEET: &str = "contact_sheet.png";
 const ANIMATION: &str = "preview.gif";
+const LANDMARKS: &str = "landmarks.json";
+const OVERLAY: &str = "landmarks.png";
 const SEQUENCE_FILES: [&str; 4] = [MANIFEST, POSES, SHEET, ANIMATION];
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
@@ -40,6 +44,8 @@ pub struct Exposure {
     pub index: usize,
     pub image: Image,
     pub facts: Facts,
+    /// `None`: none are asked for.
+    pub landmarks: Option<Vec<Landmark>>,
 }
 
 /// What is written besides OpenEXR, previews and records.
@@ -47,6 +53,8 @@ pub struct Exposure {
 pub struct Settings {
     pub tiff: bool,
     pub animation: bool,
+    /// Previews with the landmarks drawn over them.
+    pub overlay: bool,
     pub white: White,
 }
 
@@ -74,7 +82,7 @@ impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
         atomic::check_writable(directory)?;
-        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), tiff: settings.tiff };
+        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), settings };
         desk.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let background = desk.clone();
@@ -181,7 +189,7 @@ struct Dn {
 struct Desk {
     directory: PathBuf,
     key: String,
-    tiff: bool,
+    settings: Settings,
 }
 
 impl Desk {
@@ -204,7 +212,7 @@ impl Desk {
 
     /// The record last: it says that the exposure is finished.
     fn write_exposure(&self, exposure: Exposure) -> Result<(), DatasetError> {
-        let Exposure { index, image, facts } = exposure;
+        let Exposure { index, image, facts, landmarks } = exposure;
         check(index, &image)?;
         let planes = record::planes(&image);
         let record_path = self.path(&self.name(index, "json"));
@@ -214,9 +222,20 @@ impl Desk {
         let header = json!({ "schema_version": SCHEMA_VERSION, "run_key": self.key, "planes": units, "facts": facts });
         let name = self.name(index, "exr");
         let mut files = vec![self.write(&name, &exr_file::encode(&self.path(&name), &image, &header)?)?];
-        if self.tiff {
+        if self.settings.tiff {
             let name = self.name(index, "tif");
             files.push(self.write(&name, &tiff_file::encode(&self.path(&name), &image)?)?);
+        }
+        if let Some(landmarks) = landmarks {
+            let file = LandmarkFile {
+                schema_version: SCHEMA_VERSION.into(),
+                frame_id: facts.frame_id.clone(),
+                columns: image.columns,
+                rows: image.rows,
+                conventions: landmarks::CONVENTIONS.into(),
+                landmarks,
+            };
+            files.push(self.write(&self.name(index, LANDMARKS), &pretty(&file))?);
         }
         let record = Record {
             schema_version: SCHEMA_VERSION.into(),
@@ -251,6 +270,7 @@ impl Desk {
         let size = [file.columns, file.rows];
         let bytes = png_file::encode_16(&self.path(&name), size, &dn, &preview::comment(scale))?;
         let written = self.write(&name, &bytes)?;
+        self.overlay(index, record, &dn, size)?;
         record.preview = Some(PreviewRecord {
             file: written,
             channel: scale.channel.clone(),
@@ -261,6 +281,23 @@ impl Desk {
         self.write(&self.name(index, "json"), &pretty(record))?;
         let reduced = |largest| Thumbnail::of(&dn, file.columns, largest);
         Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
+    }
+
+    /// Writes the preview with the landmarks of an exposure, where both are asked for.
+    fn overlay(&self, index: usize, record: &mut Record, dn: &[u16], size: [usize; 2]) -> Result<(), DatasetError> {
+        let path = self.path(&self.name(index, LANDMARKS));
+        if !(self.settings.overlay && path.is_file()) {
+            return Ok(());
+        }
+        let file: LandmarkFile =
+            serde_json::from_slice(&atomic::read(&path)?).map_err(|source| DatasetError::Json { path, source })?;
+        let rgb = landmarks::overlay(dn, size[0], &file.landmarks);
+        let name = self.name(index, OVERLAY);
+        let comment = "landmarks: lit green, in shadow amber, occluded red";
+        let written = self.write(&name, &png_file::encode_rgb_8(&self.path(&name), size, &rgb, comment)?)?;
+        record.files.retain(|file| file.name != name);
+        record.files.push(written);
+        Ok(())
     }
 
     /// Removes half-written files and those of other runs.

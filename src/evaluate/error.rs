@@ -2,25 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::pipeline::error::wraps_stages;
+
 /// Any stage's error; the stages' own say what was met and what is allowed.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     #[error(transparent)]
     Pipeline(#[from] crate::pipeline::Error),
-    #[error(transparent)]
-    Raster(#[from] crate::raster::Error),
-    #[error(transparent)]
-    Synthetic(#[from] crate::terrain::synthetic::Error),
-    #[error(transparent)]
-    Terrain(#[from] crate::terrain::build::Error),
-    #[error(transparent)]
-    Horizon(#[from] crate::horizon::Error),
-    #[error(transparent)]
-    Photometry(#[from] crate::photometry::PhotometryError),
-    #[error(transparent)]
-    Render(#[from] crate::render::RenderError),
-    #[error(transparent)]
-    Dataset(#[from] crate::dataset::DatasetError),
     #[error("cannot write {path}")]
     Write { path: PathBuf, source: std::io::Error },
     #[error("cannot run {path}")]
@@ -36,3 +24,14 @@ pub enum Error {
     #[error("exposure {exposure} sees no ground with heights")]
     NoGround { exposure: usize },
 }
+
+wraps_stages!(
+    Error: crate::raster::Error,
+    crate::terrain::synthetic::Error,
+    crate::terrain::build::Error,
+    crate::horizon::Error,
+    crate::photometry::PhotometryError,
+    crate::render::RenderError,
+    crate::dataset::DatasetError,
+    crate::ephemeris::EphemerisError,
+);

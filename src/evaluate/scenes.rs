@@ -15,8 +15,10 @@ use crate::terrain::{Face, Gnomonic, Level, NestedDem, build_face};
 
 /// Posting of synthetic scenes.
 const POSTING_M: f64 = 20.0;
-const RIDGE: &str = "site01_connecting_ridge_10m_1600.tif";
-const CAP: &str = "southcap_240m_1536.tif";
+/// NASA's 10 m model of the connecting ridge.
+pub const RIDGE: &str = "site01_connecting_ridge_10m_1600.tif";
+/// The 240 m model of the south polar cap.
+pub const CAP: &str = "southcap_240m_1536.tif";
 
 /// A terrain by name; its finest level is measured.
 #[derive(Debug)]
@@ -135,14 +137,32 @@ impl Scene {
         find(folders, CAP).map(|path| Self::real("south polar cap", &[path])).transpose()
     }
 
+    /// Files of `dem/` about a place, the finest first: the distance of their nodes, and the side of the square that they
+    /// cover, each by default the file's own; `None` where none of the folders has them.
+    pub fn about(
+        name: &str,
+        folders: &[PathBuf],
+        centre: Geodetic,
+        models: &[(&str, Option<f64>, Option<f64>)],
+    ) -> Result<Option<Self>, Error> {
+        let paths: Option<Vec<PathBuf>> = models.iter().map(|(file, ..)| find(folders, file)).collect();
+        let Some(paths) = paths else { return Ok(None) };
+        let dems = opened(&paths)?;
+        let nested = |(dem, &(_, posting_m, extent_m))| NestedDem { dem, posting_m, extent_m };
+        let nested: Vec<_> = dems.iter().zip(models).map(nested).collect();
+        Self::nested(name, centre, &nested).map(Some)
+    }
+
     fn real(name: &str, paths: &[PathBuf]) -> Result<Self, Error> {
-        let body = Body::moon();
-        let open = |path: &PathBuf| Dem::open(path, &body, &raster::Options::default());
-        let dems = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        let dems = opened(paths)?;
         let middle = DVec2::new((dems[0].columns - 1) as f64, (dems[0].rows - 1) as f64) / 2.0;
         let centre = Geodetic { height_m: 0.0, ..dems[0].georeference.projector()?.geodetics(&[middle])[0] };
-        let nested: Vec<_> = dems.iter().map(NestedDem::whole).collect();
-        let (face, _) = build_face(&body, centre, &nested, MAX_NODES_PER_SIDE)?;
+        Self::nested(name, centre, &dems.iter().map(NestedDem::whole).collect::<Vec<_>>())
+    }
+
+    fn nested(name: &str, centre: Geodetic, nested: &[NestedDem]) -> Result<Self, Error> {
+        let body = Body::moon();
+        let (face, _) = build_face(&body, centre, nested, MAX_NODES_PER_SIDE)?;
         Ok(Self { name: name.into(), body, face })
     }
 
@@ -151,6 +171,10 @@ impl Scene {
         let level = &self.face.levels[0];
         (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin)
     }
+}
+
+fn opened(paths: &[PathBuf]) -> Result<Vec<Dem>, raster::Error> {
+    paths.iter().map(|path| Dem::open(path, &Body::moon(), &raster::Options::default())).collect()
 }
 
 fn find(folders: &[PathBuf], name: &str) -> Option<PathBuf> {

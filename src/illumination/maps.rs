@@ -1,27 +1,19 @@
 //! Illumination of every node of a level.
 //!
-//! Nodes are taken in square blocks: their skylines by azimuth stay in the cache while the whole track passes over
-//! them.
+//! Nodes are taken in square blocks ([`super::kernel`]); strips of them run side by side.
 
-use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::area::Series;
+use super::blocks::Blocks;
+use super::kernel::{Sums, Task};
 use super::lit::{DiscShare, Lit};
+use super::skylines::Skylines;
 use super::track::{Seen, Track};
-use crate::horizon::HorizonMap;
-use crate::horizon::settings::direction;
-use crate::horizon::sweep::wide::wide;
 use crate::photometry::SolarDisk;
 use crate::terrain::{Face, Gnomonic, Level};
-
-/// Nodes along a block's side.
-pub const BLOCK: usize = 32;
-const LANES: usize = BLOCK * BLOCK;
-
-/// Skylines are looked up this many to the turn and interpolated between.
-const AZIMUTHS: usize = 360;
 
 /// Maps of the seen nodes of a level, row by row, rows up the map; NaN in gaps.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,54 +30,95 @@ pub struct Maps {
     pub earth_share: Vec<f32>,
 }
 
-/// Illumination of a level by its horizon map over a track. `progress` hears of rows of blocks.
-pub fn maps(
-    face: &Face,
-    level: usize,
-    horizons: &HorizonMap,
-    track: &Track,
-    disk: &SolarDisk,
-    lit: Lit,
-    progress: &(dyn Fn(usize, usize) + Sync),
-) -> Maps {
-    let nodes = &face.levels[level];
-    let (columns, rows) = (horizons.columns, horizons.rows);
-    let task = Task {
-        map: &face.map,
-        nodes,
-        horizons,
-        sun: in_map(&face.map, &track.sun),
-        earth: in_map(&face.map, &track.earth),
-        disc: DiscShare::new(disk),
-        threshold: lit.threshold(disk) as f32,
-    };
-    let strips = rows.div_ceil(BLOCK);
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let strip = |strip: usize| {
-        let blocks: Vec<Sums> = (0..columns.div_ceil(BLOCK)).map(|block| task.block(block, strip)).collect();
-        progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, strips);
-        blocks
-    };
-    let strips: Vec<Vec<Sums>> = (0..strips).into_par_iter().map(strip).collect();
-    let steps = track.steps() as f32;
-    let plane = |of: &dyn Fn(&Sums, usize) -> f32| {
-        let node = |index: usize| {
-            let (column, row) = (index % columns, index / columns);
-            if nodes.gap[nodes.index(column + nodes.margin, row + nodes.margin)] {
-                return f32::NAN;
-            }
-            of(&strips[row / BLOCK][column / BLOCK], row % BLOCK * BLOCK + column % BLOCK)
+/// What shapes the maps of a level.
+#[derive(Debug, Clone, Copy)]
+pub struct Study<'a> {
+    pub face: &'a Face,
+    pub level: usize,
+    pub skylines: &'a Skylines<'a>,
+    pub track: &'a Track,
+    pub disk: &'a SolarDisk,
+    pub lit: Lit,
+    /// The nodes of areas. Where there are any, what lies outside them all is not mapped.
+    pub areas: &'a [Vec<bool>],
+}
+
+/// The blocks that a level's maps need.
+pub fn needed_blocks(level: &Level, areas: &[Vec<bool>]) -> Vec<usize> {
+    let blocks = Blocks::of(level);
+    if areas.is_empty() {
+        return (0..blocks.count()).collect();
+    }
+    blocks.holding(&(0..blocks.nodes()).map(|node| areas.iter().any(|area| area[node])).collect::<Vec<_>>())
+}
+
+impl Study<'_> {
+    /// The maps, and a series for each area. `progress` hears of strips of blocks.
+    pub fn run(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> (Maps, Vec<Series>) {
+        let Self { face, level, track, areas, .. } = *self;
+        let nodes = &face.levels[level];
+        let blocks = Blocks::of(nodes);
+        let task = Task {
+            map: &face.map,
+            nodes,
+            blocks,
+            skylines: self.skylines,
+            areas,
+            sun: in_map(&face.map, &track.sun),
+            earth: in_map(&face.map, &track.earth),
+            disc: DiscShare::new(self.disk),
+            threshold: self.lit.threshold(self.disk) as f32,
         };
-        (0..columns * rows).map(node).collect()
-    };
-    let step_h = track.step_h() as f32;
-    Maps {
-        columns,
-        rows,
-        lit_share: plane(&|sums, lane| sums.lit[lane] / steps),
-        disc_share: plane(&|sums, lane| sums.share[lane] / steps),
-        longest_night_h: plane(&|sums, lane| sums.longest[lane] * step_h),
-        earth_share: plane(&|sums, lane| sums.earth[lane] / steps),
+        // A strip's series is summed in the order of its blocks, the strips' in theirs: the same whatever the threads.
+        let needed = needed_blocks(nodes, areas);
+        let strips: Vec<&[usize]> = needed.chunk_by(|a, b| a / blocks.across() == b / blocks.across()).collect();
+        let done = AtomicUsize::new(0);
+        let strip = |held: &&[usize]| {
+            let mut totals = vec![Totals::new(track.steps()); areas.len()];
+            let sums: Vec<(usize, Sums)> = held.iter().map(|&block| (block, task.block(block, &mut totals))).collect();
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, strips.len());
+            (sums, totals)
+        };
+        let (sums, totals): (Vec<_>, Vec<_>) = strips.par_iter().map(strip).unzip();
+        let mut by_block: Vec<Option<Sums>> = (0..blocks.count()).map(|_| None).collect();
+        sums.into_iter().flatten().for_each(|(block, sums)| by_block[block] = Some(sums));
+        let series = |(index, area): (usize, &Vec<bool>)| {
+            let count = area.iter().filter(|counts| **counts).count() as f64;
+            Totals::series(totals.iter().map(|totals| &totals[index]), track.steps(), count)
+        };
+        (self.maps(&blocks, &by_block), areas.iter().enumerate().map(series).collect())
+    }
+
+    /// Which of the seen nodes are mapped: those with heights, in an area where there are any.
+    pub fn mapped(&self) -> Vec<bool> {
+        let nodes = &self.face.levels[self.level];
+        let blocks = Blocks::of(nodes);
+        let mapped = |node: usize| {
+            let [column, row] = [node % blocks.columns, node / blocks.columns].map(|index| index + nodes.margin);
+            let inside = self.areas.is_empty() || self.areas.iter().any(|area| area[node]);
+            inside && !nodes.gap[nodes.index(column, row)]
+        };
+        (0..blocks.nodes()).map(mapped).collect()
+    }
+
+    fn maps(&self, blocks: &Blocks, sums: &[Option<Sums>]) -> Maps {
+        let mapped = self.mapped();
+        let plane = |of: &dyn Fn(&Sums, usize) -> f32| {
+            let value = |node: usize| {
+                let (block, lane) = blocks.lane(node);
+                sums[block].as_ref().filter(|_| mapped[node]).map_or(f32::NAN, |sums| of(sums, lane))
+            };
+            (0..blocks.nodes()).map(value).collect()
+        };
+        let (steps, step_h) = (self.track.steps() as f32, self.track.step_h() as f32);
+        Maps {
+            columns: blocks.columns,
+            rows: blocks.rows,
+            lit_share: plane(&|sums, lane| sums.lit[lane] / steps),
+            disc_share: plane(&|sums, lane| sums.share[lane] / steps),
+            longest_night_h: plane(&|sums, lane| sums.longest[lane] * step_h),
+            earth_share: plane(&|sums, lane| sums.earth[lane] / steps),
+        }
     }
 }
 
@@ -93,129 +126,24 @@ fn in_map(map: &Gnomonic, seen: &[Seen]) -> Vec<Seen> {
     seen.iter().map(|seen| Seen { towards: map.map_from_body.turn(seen.towards), ..*seen }).collect()
 }
 
-/// What all blocks share; directions in map axes.
-struct Task<'a> {
-    map: &'a Gnomonic,
-    nodes: &'a Level,
-    horizons: &'a HorizonMap,
-    sun: Vec<Seen>,
-    earth: Vec<Seen>,
-    disc: DiscShare,
-    threshold: f32,
-}
+/// Sums over an area's nodes, step by step: lit, share of the disc, Earth in sight.
+#[derive(Debug, Clone)]
+pub struct Totals(pub [Vec<f64>; 3]);
 
-/// Counts of steps of a block's nodes.
-struct Sums {
-    lit: Vec<f32>,
-    share: Vec<f32>,
-    dark: Vec<f32>,
-    longest: Vec<f32>,
-    earth: Vec<f32>,
-}
-
-/// A disc over a block: between which two azimuths of the skylines, and its elevation as a plane over the nodes.
-struct Above {
-    azimuth: usize,
-    share: f32,
-    elevation_rad: f32,
-    by_column: f32,
-    by_row: f32,
-}
-
-impl Task<'_> {
-    fn block(&self, column: usize, row: usize) -> Sums {
-        let skylines = self.skylines(column * BLOCK, row * BLOCK);
-        let zeros = || vec![0.0; LANES];
-        let mut sums = Sums { lit: zeros(), share: zeros(), dark: zeros(), longest: zeros(), earth: zeros() };
-        let first = DVec2::new((column * BLOCK) as f64, (row * BLOCK) as f64);
-        for (sun, earth) in self.sun.iter().zip(&self.earth) {
-            let (above, radius_rad) = (self.above(first, sun.towards), sun.angular_radius_rad as f32);
-            let earth = self.above(first, earth.towards);
-            wide(
-                #[inline(always)]
-                || {
-                    self.add_sun(&skylines, &above, 1.0 / radius_rad, &mut sums);
-                    add_earth(&skylines, &earth, &mut sums.earth);
-                },
-            );
-        }
-        sums
+impl Totals {
+    fn new(steps: usize) -> Self {
+        Self([(); 3].map(|()| vec![0.0; steps]))
     }
 
-    /// Elevations of a block's skylines, `[azimuth][node]`, the first azimuth again at the end. Nodes beyond the map
-    /// repeat its edge.
-    fn skylines(&self, column: usize, row: usize) -> Vec<f32> {
-        let mut skylines = vec![0.0; (AZIMUTHS + 1) * LANES];
-        for lane in 0..LANES {
-            let at = |first: usize, lane: usize, nodes: usize| (first + lane).min(nodes - 1) as f64;
-            let grid =
-                DVec2::new(at(column, lane % BLOCK, self.horizons.columns), at(row, lane / BLOCK, self.horizons.rows));
-            let series = self.horizons.horizon(grid);
-            for azimuth in 0..=AZIMUTHS {
-                let towards = direction(TAU * azimuth as f64 / AZIMUTHS as f64);
-                skylines[azimuth * LANES + lane] = series.evaluate_towards(towards).0 as f32;
+    /// Means of the totals of all strips.
+    fn series<'a>(strips: impl Iterator<Item = &'a Self>, steps: usize, count: f64) -> Series {
+        let mut all = Self::new(steps);
+        for strip in strips {
+            for (sums, more) in all.0.iter_mut().zip(&strip.0) {
+                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
-        skylines
-    }
-
-    fn above(&self, first: DVec2, towards: DVec3) -> Above {
-        let half = 0.5 * (BLOCK - 1) as f64;
-        let at_m = |grid: DVec2| self.nodes.map_from_grid(grid + self.nodes.margin as f64);
-        let elevation_rad = |grid: DVec2| self.map.up(at_m(grid)).unit().dot(towards).clamp(-1.0, 1.0).asin();
-        let middle = first + half;
-        let slope =
-            |along: DVec2| (elevation_rad(middle + half * along) - elevation_rad(middle - half * along)) / (2.0 * half);
-        let [by_column, by_row] = [DVec2::X, DVec2::Y].map(slope);
-        let d = towards.truncate() - at_m(middle) * (towards.z / self.map.radius_m);
-        let turns = d.x.atan2(d.y).rem_euclid(TAU) / TAU * AZIMUTHS as f64;
-        let azimuth = (turns as usize).min(AZIMUTHS - 1);
-        Above {
-            azimuth,
-            share: (turns - azimuth as f64) as f32,
-            elevation_rad: (elevation_rad(middle) - half * (by_column + by_row)) as f32,
-            by_column: by_column as f32,
-            by_row: by_row as f32,
-        }
-    }
-
-    #[inline(always)]
-    fn add_sun(&self, skylines: &[f32], above: &Above, inverse_radius: f32, sums: &mut Sums) {
-        for row in 0..BLOCK {
-            let lanes = row * BLOCK..(row + 1) * BLOCK;
-            let clearances: [f32; BLOCK] = above.clearances(skylines, row);
-            let (lit, share) = (&mut sums.lit[lanes.clone()], &mut sums.share[lanes.clone()]);
-            let (dark, longest) = (&mut sums.dark[lanes.clone()], &mut sums.longest[lanes]);
-            for i in 0..BLOCK {
-                let radii = clearances[i] * inverse_radius;
-                let is_lit = if radii > self.threshold { 1.0 } else { 0.0 };
-                lit[i] += is_lit;
-                share[i] += self.disc.at(radii);
-                dark[i] = (dark[i] + 1.0) * (1.0 - is_lit);
-                longest[i] = if dark[i] > longest[i] { dark[i] } else { longest[i] };
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add_earth(skylines: &[f32], above: &Above, seen: &mut [f32]) {
-    for row in 0..BLOCK {
-        let clearances: [f32; BLOCK] = above.clearances(skylines, row);
-        for (seen, clearance) in seen[row * BLOCK..(row + 1) * BLOCK].iter_mut().zip(clearances) {
-            *seen += if clearance > 0.0 { 1.0 } else { 0.0 };
-        }
-    }
-}
-
-impl Above {
-    /// Elevation of the disc's centre above the skyline for a row of nodes.
-    #[inline(always)]
-    fn clearances(&self, skylines: &[f32], row: usize) -> [f32; BLOCK] {
-        let start = self.azimuth * LANES + row * BLOCK;
-        let low: &[f32; BLOCK] = skylines[start..].first_chunk().expect("a row");
-        let high: &[f32; BLOCK] = skylines[start + LANES..].first_chunk().expect("a row");
-        let elevation_rad = self.elevation_rad + self.by_row * row as f32;
-        std::array::from_fn(|i| elevation_rad + self.by_column * i as f32 - (low[i] + self.share * (high[i] - low[i])))
+        let [lit_share, disc_share, earth_share] = all.0.map(|sums| sums.iter().map(|sum| sum / count).collect());
+        Series { lit_share, disc_share, earth_share }
     }
 }

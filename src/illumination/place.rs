@@ -46,11 +46,16 @@ impl<'a> Place<'a> {
     /// The place at a latitude and longitude; `None` where the terrain does not reach.
     pub fn new(body: &Body, map: &'a Gnomonic, tracer: &Tracer, at: Geodetic) -> Option<Self> {
         let at_m = map.lifted_from_body(body.position_from_geodetic(Geodetic { height_m: 0.0, ..at }))?.truncate();
-        let foot = tracer.foot(at_m)?;
+        Some(Self::of_foot(body, map, tracer, tracer.foot(at_m)?))
+    }
+
+    /// The place at a lifted point of the ground.
+    pub fn of_foot(body: &Body, map: &'a Gnomonic, tracer: &Tracer, foot: DVec3) -> Self {
+        let at = body.geodetic_from_position(map.body_from_lifted(foot));
         let skyline = |i: usize| tracer.skyline(foot, direction(TAU * i as f64 / AZIMUTHS as f64)).elevation_rad;
         let axes = body.local_from_body(at).matrix();
         let local = [axes.row(0), axes.row(1), axes.row(2)];
-        Some(Self { map, foot, local, skyline_rad: (0..AZIMUTHS).into_par_iter().map(skyline).collect() })
+        Self { map, foot, local, skyline_rad: (0..AZIMUTHS).into_par_iter().map(skyline).collect() }
     }
 
     /// All steps of a track.

@@ -43,7 +43,7 @@ pub struct Hapke {
     pub single_scattering_albedo: f64,
     /// `b`, width of both lobes of the phase function.
     pub asymmetry: f64,
-    /// `c`: 1 scatters all back, −1 all forward.
+    /// `c`: 1 scatters all back, −1 all forward; fits find up to 1.2.
     pub backscatter: f64,
     /// `Bs0`; 0 switches the shadow-hiding surge off.
     pub shadow_hiding_amplitude: f64,
@@ -58,42 +58,36 @@ pub struct Hapke {
     /// `φ`, share of the volume that is grains; 0 makes `K = 1`.
     pub filling_factor: f64,
     pub multiple_scattering: MultipleScattering,
+    /// What multiplies the reflectance: ground brighter or darker than that of the set. 1 is the set's.
+    pub scale: f64,
 }
 
 impl Hapke {
-    /// The lunar regolith at 566 nm after Sato et al. (2014), with `K = 1` as they fitted.
-    pub fn moon() -> Self {
-        Self {
-            single_scattering_albedo: 0.32357,
-            asymmetry: 0.23955,
-            backscatter: 0.30452,
-            shadow_hiding_amplitude: 1.80238,
-            shadow_hiding_width: 0.07145,
-            coherent_amplitude: 0.0,
-            coherent_width: 1.0,
-            mean_slope_rad: 23.4f64.to_radians(),
-            filling_factor: 0.0,
-            multiple_scattering: MultipleScattering::Hapke2002,
-        }
-    }
-
     /// Checks every parameter against the model's domain.
     pub fn check(&self) -> Result<(), PhotometryError> {
         let domains = [
             ("single_scattering_albedo", self.single_scattering_albedo, 0.0, 1.0, "[0, 1]"),
             ("asymmetry", self.asymmetry, 0.0, 0.95, "[0, 0.95]"),
-            ("backscatter", self.backscatter, -1.0, 1.0, "[-1, 1]"),
+            ("backscatter", self.backscatter, -1.3, 1.3, "[-1.3, 1.3]"),
             ("shadow_hiding_amplitude", self.shadow_hiding_amplitude, 0.0, 10.0, "[0, 10]"),
             ("shadow_hiding_width", self.shadow_hiding_width, 0.0, 10.0, "[0, 10]"),
             ("coherent_amplitude", self.coherent_amplitude, 0.0, 10.0, "[0, 10]"),
             ("coherent_width", self.coherent_width, 0.0, 10.0, "[0, 10]"),
             ("mean_slope", self.mean_slope_rad.to_degrees(), 0.0, 60.0, "[0, 60] deg"),
             ("filling_factor", self.filling_factor, 0.0, 0.75, "[0, 0.75]"),
+            ("scale", self.scale, 0.0, 10.0, "[0, 10]"),
         ];
-        match domains.into_iter().find(|&(_, got, least, most, ..)| !(least..=most).contains(&got)) {
-            None => Ok(()),
-            Some((parameter, got, _, _, allowed)) => Err(PhotometryError::OutOfRange { parameter, got, allowed }),
+        if let Some((parameter, got, _, _, allowed)) =
+            domains.into_iter().find(|&(_, got, least, most, ..)| !(least..=most).contains(&got))
+        {
+            return Err(PhotometryError::OutOfRange { parameter, got, allowed });
         }
+        // Published fits go beyond a share of 1, as long as their phase function stays positive.
+        if self.phase_function(-1.0).min(self.phase_function(1.0)) < 0.0 {
+            let allowed = "what leaves the phase function positive";
+            return Err(PhotometryError::OutOfRange { parameter: "backscatter", got: self.backscatter, allowed });
+        }
+        Ok(())
     }
 
     /// `K`
@@ -112,7 +106,7 @@ impl Hapke {
         let single = self.phase_function(phase_cosine) * (1.0 + self.shadow_hiding(half_phase_tan));
         let multiple = self.h(rough.incidence_cosine / porosity) * self.h(rough.emission_cosine / porosity) - 1.0;
         let both = rough.incidence_cosine + rough.emission_cosine;
-        porosity * self.single_scattering_albedo / (4.0 * PI) * rough.share_per_cosine / both
+        self.scale * porosity * self.single_scattering_albedo / (4.0 * PI) * rough.share_per_cosine / both
             * (single + multiple)
             * (1.0 + self.coherent(half_phase_tan))
     }

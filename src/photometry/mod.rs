@@ -8,6 +8,7 @@
 //! two together.
 
 mod hapke;
+mod parameter_sets;
 pub mod quadrature;
 mod reflectance;
 mod solar_disk;

@@ -7,9 +7,18 @@
 //! Lommel–Seeliger   A/π · 2/(μ0 + μ)
 //! lunar-Lambert     A/π · [2 L(g)/(μ0 + μ) + 1 − L(g)]     L = 1 − 0.019 g + 0.242e-3 g² − 1.46e-6 g³, g in deg, L ≥ 0
 //! Minnaert          A/π · (μ0 μ)^(k−1)
+//! Akimov            A/π · cos(g/2) cos(π d/(π − g)) (cos b)^(1 + η g/(π − g)) / (μ0 μ)
 //! Hapke             see `Hapke`
 //! ```
 //!
+//! with the photometric latitude `b` and the longitude `d` from the middle between the points below the Sun and below
+//! the camera:
+//!
+//! ```text
+//! cos b cos d = (μ0 + μ)/(2 cos(g/2))        cos b sin d = (μ0 − μ)/(2 sin(g/2))
+//! ```
+//!
+//! Akimov's `η` is 1 in his parameterless law; smaller ones fade less towards the poles of the photometric system.
 //! Every law is symmetric in `i` and `e`. Cosines below 1e-6 count as 1e-6, so that every value is finite. At the
 //! terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
 //!
@@ -21,7 +30,8 @@
 //!
 //! # References
 //! McEwen (1996), LPSC XXVII, 841, for the lunar-Lambert weight (as in ISIS `LunarLambertMcEwen`);
-//! Minnaert (1941), ApJ 93, 403.
+//! Minnaert (1941), ApJ 93, 403; Shkuratov et al. (2011), PSS 59, 1326, doi:10.1016/j.pss.2011.06.011, for Akimov's law
+//! with and without its parameter.
 
 use std::f64::consts::PI;
 
@@ -30,10 +40,24 @@ use super::{Hapke, MultipleScattering, PhotometryError};
 /// A law of reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reflectance {
-    Lambert { normal_albedo: f64 },
-    LommelSeeliger { normal_albedo: f64 },
-    LunarLambert { normal_albedo: f64 },
-    Minnaert { normal_albedo: f64, exponent: f64 },
+    Lambert {
+        normal_albedo: f64,
+    },
+    LommelSeeliger {
+        normal_albedo: f64,
+    },
+    LunarLambert {
+        normal_albedo: f64,
+    },
+    Minnaert {
+        normal_albedo: f64,
+        exponent: f64,
+    },
+    /// `smoothness` is Akimov's η: 1 is his parameterless law.
+    Akimov {
+        normal_albedo: f64,
+        smoothness: f64,
+    },
     Hapke(Hapke),
 }
 
@@ -41,7 +65,9 @@ pub enum Reflectance {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ReflectanceParameters {
+    /// For Hapke's law what multiplies it.
     pub normal_albedo: f32,
+    /// Minnaert's `k`, or Akimov's `η`.
     pub exponent: f32,
     pub single_scattering_albedo: f32,
     pub asymmetry: f32,
@@ -59,6 +85,9 @@ pub struct ReflectanceParameters {
 /// Cosines of incidence and emission count as no less.
 const LEAST_COSINE: f64 = 1e-6;
 
+/// Akimov's phase angle stays as far from 180°, where his law has no value.
+const LEAST_SUPPLEMENT_RAD: f64 = 1e-3;
+
 impl Reflectance {
     /// Checks every parameter against the law's domain.
     pub fn check(&self) -> Result<(), PhotometryError> {
@@ -72,12 +101,16 @@ impl Reflectance {
             Self::Lambert { normal_albedo }
             | Self::LunarLambert { normal_albedo }
             | Self::Minnaert { normal_albedo, .. }
+            | Self::Akimov { normal_albedo, .. }
                 if !(0.0..=1.0).contains(&normal_albedo) =>
             {
                 Err(outside("normal_albedo", normal_albedo, "[0, 1]"))
             }
             Self::Minnaert { exponent, .. } if !(0.5..=1.5).contains(&exponent) => {
                 Err(outside("exponent", exponent, "[0.5, 1.5]"))
+            }
+            Self::Akimov { smoothness, .. } if !(0.0..=2.0).contains(&smoothness) => {
+                Err(outside("smoothness", smoothness, "[0, 2]"))
             }
             _ => Ok(()),
         }
@@ -96,6 +129,9 @@ impl Reflectance {
                 normal_albedo / PI * (2.0 * weight / (mu0 + mu) + 1.0 - weight)
             }
             Self::Minnaert { normal_albedo, exponent } => normal_albedo / PI * (mu0 * mu).powf(exponent - 1.0),
+            Self::Akimov { normal_albedo, smoothness } => {
+                normal_albedo / PI * akimov(smoothness, mu0, mu, phase_cosine)
+            }
             Self::Hapke(hapke) => hapke.brdf_sr(mu0, mu, phase_cosine),
         }
     }
@@ -113,6 +149,7 @@ impl Reflectance {
             Self::LunarLambert { .. } => 2.0,
             Self::Minnaert { .. } => 3.0,
             Self::Hapke(_) => 4.0,
+            Self::Akimov { .. } => 5.0,
         };
         ("REFLECTANCE_MODEL", model)
     }
@@ -128,7 +165,11 @@ impl Reflectance {
             Self::Minnaert { normal_albedo, exponent } => {
                 ReflectanceParameters { normal_albedo: normal_albedo as f32, exponent: exponent as f32, ..none }
             }
+            Self::Akimov { normal_albedo, smoothness } => {
+                ReflectanceParameters { normal_albedo: normal_albedo as f32, exponent: smoothness as f32, ..none }
+            }
             Self::Hapke(hapke) => ReflectanceParameters {
+                normal_albedo: hapke.scale as f32,
                 single_scattering_albedo: hapke.single_scattering_albedo as f32,
                 asymmetry: hapke.asymmetry as f32,
                 backscatter: hapke.backscatter as f32,
@@ -153,6 +194,20 @@ fn lunar_lambert_weight(phase_deg: f64) -> f64 {
     (1.0 + phase_deg * (-0.019 + phase_deg * (0.242e-3 - 1.46e-6 * phase_deg))).max(0.0)
 }
 
+/// Akimov's disc function over the cosine of incidence; 1/μ0 in opposition.
+fn akimov(smoothness: f64, mu0: f64, mu: f64, phase_cosine: f64) -> f64 {
+    let phase_rad = phase_cosine.acos().min(PI - LEAST_SUPPLEMENT_RAD);
+    let (half_sine, half_cosine) = (0.5 * phase_rad).sin_cos();
+    let along = ((mu0 + mu) / (2.0 * half_cosine)).min(1.0);
+    // In opposition the longitude has no influence, and no value.
+    let reach = (1.0 - along * along).sqrt();
+    let across = ((mu0 - mu) / (2.0 * half_sine).max(1e-12)).clamp(-reach, reach);
+    let supplement_rad = PI - phase_rad;
+    let towards_terminator = (PI / supplement_rad * across.atan2(along)).cos().max(0.0);
+    let latitude_cosine = along.hypot(across);
+    half_cosine * towards_terminator * latitude_cosine.powf(1.0 + smoothness * phase_rad / supplement_rad) / (mu0 * mu)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,12 +218,14 @@ mod tests {
         law.radiance_factor(incidence, emission, phase)
     }
 
-    fn laws() -> [Reflectance; 7] {
+    fn laws() -> [Reflectance; 9] {
         [
             Reflectance::Lambert { normal_albedo: 0.12 },
             Reflectance::LommelSeeliger { normal_albedo: 0.12 },
             Reflectance::LunarLambert { normal_albedo: 0.12 },
             Reflectance::Minnaert { normal_albedo: 0.12, exponent: 0.7 },
+            Reflectance::Akimov { normal_albedo: 0.12, smoothness: 1.0 },
+            Reflectance::Akimov { normal_albedo: 0.12, smoothness: 0.34 },
             Reflectance::Hapke(Hapke::moon()),
             Reflectance::Hapke(Hapke { coherent_amplitude: 0.5, coherent_width: 0.05, ..Hapke::moon() }),
             Reflectance::Hapke(Hapke { filling_factor: 0.3, mean_slope_rad: 0.0, ..Hapke::moon() }),
@@ -189,6 +246,7 @@ mod tests {
             mean_slope_rad: 0.0,
             filling_factor: 0.0,
             multiple_scattering: MultipleScattering::Hapke1981,
+            scale: 1.0,
         };
         let rough = Hapke {
             single_scattering_albedo: 0.52,
@@ -239,8 +297,60 @@ mod tests {
 
     #[test]
     fn empirical_laws_have_their_normal_albedo_at_vertical_opposition() {
-        for law in &laws()[..4] {
+        for law in &laws()[..6] {
             assert!((radiance_factor(*law, 0.0, 0.0, 0.0) - 0.12).abs() < 1e-12, "{law:?}");
+        }
+    }
+
+    /// `D = cos(g/2) cos[π/(π − g) (c − g/2)] (cos b)^(η g/(π − g)) / cos c` as printed, from latitude and longitude.
+    #[test]
+    fn akimov_law_is_the_printed_one() {
+        for smoothness in [1.0, 0.34] {
+            let law = Reflectance::Akimov { normal_albedo: 1.0, smoothness };
+            for phase_deg in [0.0f64, 1.0, 30.0, 90.0, 150.0] {
+                let g = phase_deg.to_radians();
+                for latitude_deg in [0.0f64, 20.0, 70.0] {
+                    for share in [-0.99, -0.4, 0.0, 0.6, 0.99] {
+                        // From limb to terminator.
+                        let (b, c) = (latitude_deg.to_radians(), g / 2.0 + share * (PI - g) / 2.0);
+                        let printed = (g / 2.0).cos()
+                            * (PI / (PI - g) * (c - g / 2.0)).cos()
+                            * b.cos().powf(smoothness * g / (PI - g))
+                            / c.cos();
+                        let got = law.radiance_factor(b.cos() * (c - g).cos(), b.cos() * c.cos(), g.cos());
+                        let what = format!("{smoothness} {phase_deg} {latitude_deg} {share}: {got} {printed}");
+                        assert!((got - printed).abs() < 1e-9 * (1.0 + printed), "{what}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// The full Moon is flat, the law 1 at the mirror point's meridian over cos(g/2), and 0 at the terminator.
+    #[test]
+    fn akimov_law_has_its_limits() {
+        let law = Reflectance::Akimov { normal_albedo: 0.1, smoothness: 1.0 };
+        for edge in [0.01, 0.3, 1.0] {
+            assert!((law.radiance_factor(edge, edge, 1.0) - 0.1).abs() < 1e-9, "{edge}");
+        }
+        let g = 1.0f64;
+        assert!((law.radiance_factor((g / 2.0).cos(), (g / 2.0).cos(), g.cos()) - 0.1).abs() < 1e-12);
+        assert!(law.radiance_factor(1e-5, g.sin(), g.cos()) < 1e-5);
+    }
+
+    /// `p Φ = A cos(g/2) 2(π − g)/π² ∫ cos^(2 + η g/(π − g)) b db`, separable in latitude and longitude.
+    #[test]
+    fn a_sphere_of_akimov_law_has_its_closed_phase_curve() {
+        let rule = gauss_legendre(96);
+        for (index, smoothness) in [(4, 1.0), (5, 0.34)] {
+            for phase_deg in [0.5f64, 30.0, 90.0, 150.0] {
+                let g = phase_deg.to_radians();
+                let power = 2.0 + smoothness * g / (PI - g);
+                let latitudes = integrate(&rule, -PI / 2.0, PI / 2.0, |b| b.cos().powf(power));
+                let expected = 0.12 * (g / 2.0).cos() * 2.0 * (PI - g) / (PI * PI) * latitudes;
+                let got = disc_integral(laws()[index], g);
+                assert!((got / expected - 1.0).abs() < 1e-6, "{smoothness} {phase_deg}: {got} {expected}");
+            }
         }
     }
 

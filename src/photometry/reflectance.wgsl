@@ -1,11 +1,13 @@
 // Radiance of the ground per irradiance of the ground. Twin of reflectance.rs and hapke.rs, whose documents have
 // the equations.
 
-// 0 Lambert, 1 Lommel-Seeliger, 2 lunar-Lambert, 3 Minnaert, 4 Hapke.
+// 0 Lambert, 1 Lommel-Seeliger, 2 lunar-Lambert, 3 Minnaert, 4 Hapke, 5 Akimov.
 override REFLECTANCE_MODEL: u32;
 
 struct ReflectanceParameters {
+    // For Hapke's law what multiplies it.
     normal_albedo: f32,
+    // Minnaert's k, or Akimov's eta.
     exponent: f32,
     single_scattering_albedo: f32,
     asymmetry: f32,
@@ -22,6 +24,7 @@ struct ReflectanceParameters {
 
 const PI = 3.14159265358979;
 const LEAST_COSINE = 1e-6;
+const LEAST_SUPPLEMENT_RAD = 1e-3;
 
 // From the cosines of incidence, emission and phase angle.
 fn brdf_sr(p: ReflectanceParameters, incidence_cosine: f32, emission_cosine: f32, phase_cosine: f32) -> f32 {
@@ -43,10 +46,31 @@ fn brdf_sr(p: ReflectanceParameters, incidence_cosine: f32, emission_cosine: f32
         case 4u: {
             return hapke_sr(p, mu0, mu, phase);
         }
+        case 5u: {
+            return lambert * akimov(p.exponent, mu0, mu, phase);
+        }
         default: {
             return lambert;
         }
     }
+}
+
+// The disc function over the cosine of incidence. Photometric latitude and longitude, counted from the middle between
+// Sun and camera, as a vector (along, across).
+fn akimov(smoothness: f32, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
+    let phase_rad = min(arc_cosine(phase_cosine), PI - LEAST_SUPPLEMENT_RAD);
+    let half_sine = sqrt(max(0.5 - 0.5 * phase_cosine, 0.0));
+    let half_cosine = sqrt(max(0.5 + 0.5 * phase_cosine, 2.5e-7));
+    let along = min((mu0 + mu) / (2.0 * half_cosine), 1.0);
+    let reach = sqrt((1.0 - along) * (1.0 + along));
+    let across = clamp((mu0 - mu) / max(2.0 * half_sine, 1e-12), -reach, reach);
+    let latitude_cosine = max(sqrt(along * along + across * across), LEAST_COSINE);
+    let supplement_rad = PI - phase_rad;
+    // The longitude stretched until the terminator lies at a right angle: its cosine is the sine of what is left to there.
+    let left_rad = 0.5 * PI - PI / supplement_rad * arc_cosine(min(along / latitude_cosine, 1.0));
+    let towards_terminator = max(sin(left_rad), 0.0);
+    return half_cosine * towards_terminator
+        * pow(latitude_cosine, 1.0 + smoothness * phase_rad / supplement_rad) / (mu0 * mu);
 }
 
 fn lunar_lambert_weight(phase_deg: f32) -> f32 {
@@ -59,7 +83,7 @@ fn hapke_sr(p: ReflectanceParameters, mu0: f32, mu: f32, phase_cosine: f32) -> f
     let single = hapke_phase(p, phase_cosine) * (1.0 + shadow_hiding(p, half_phase_tan));
     let multiple = hapke_h(p, rough.incidence_cosine / p.porosity_factor)
         * hapke_h(p, rough.emission_cosine / p.porosity_factor) - 1.0;
-    return p.porosity_factor * p.single_scattering_albedo / (4.0 * PI)
+    return p.normal_albedo * p.porosity_factor * p.single_scattering_albedo / (4.0 * PI)
         * rough.share_per_cosine / (rough.incidence_cosine + rough.emission_cosine)
         * (single + multiple) * (1.0 + coherent_backscatter(p, half_phase_tan));
 }

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, scene, swath};
+use super::{Error, Progress, body_frame, ground, kernels, motion, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
+use crate::labels::{Origin, catalogue};
 use crate::raster;
-use crate::scenario::{self, Albedo, Dem, Scenario};
+use crate::scenario::{self, Albedo, CraterList, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
 /// What a check has found.
@@ -28,6 +29,11 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     if let Albedo::Map(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
+    }
+    for list in scenario.landmarks.iter().flat_map(|landmarks| &landmarks.lists) {
+        if let CraterList::File(path) = list {
+            problems.extend(catalogue::read(path, "", Origin::Catalogue).map_err(Error::from).err());
+        }
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
@@ -88,7 +94,8 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         scenario::Shadows::Swath { azimuth_step_deg } => swath::plan(&surface, &exposures, azimuth_step_deg).err(),
         _ => None,
     };
-    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).collect()
+    let moves = sequence::check(scenario, &exposures).err();
+    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).collect()
 }
 
 fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {

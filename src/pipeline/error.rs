@@ -26,6 +26,8 @@ pub enum Error {
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
     #[error(transparent)]
+    Craters(#[from] crate::labels::catalogue::Error),
+    #[error(transparent)]
     Render(#[from] crate::render::RenderError),
     #[error(transparent)]
     Dataset(#[from] crate::dataset::DatasetError),
@@ -47,6 +49,24 @@ pub enum Error {
          at most {allowed} are allowed; use Fourier, fewer exposures or a wider step"
     )]
     SwathTooWide { got: usize, step_deg: f64, allowed: usize },
+    #[error(
+        "outputs.planes: shadow_change needs a camera that stands still; before exposure {exposure} it moves by {moved_m:.3} m \
+         and turns by {turned_deg:.5} deg"
+    )]
+    CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }
+
+/// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.
+macro_rules! wraps_stages {
+    ($error:ty: $($stage:ty),* $(,)?) => {$(
+        impl From<$stage> for $error {
+            fn from(error: $stage) -> Self {
+                Self::Pipeline(error.into())
+            }
+        }
+    )*};
+}
+
+pub(crate) use wraps_stages;

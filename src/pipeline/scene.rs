@@ -75,10 +75,7 @@ const SCALED_ALBEDO: f64 = 0.1;
 /// What a value of the albedo map multiplies the reflectance by: it is the normal albedo of an empirical law, and
 /// a factor on Hapke's.
 pub fn albedo_scale(scenario: &Scenario) -> f64 {
-    match scenario.photometry {
-        Photometry::Lambert | Photometry::LommelSeeliger | Photometry::LunarLambert => 1.0 / SCALED_ALBEDO,
-        Photometry::HapkeMoon | Photometry::Hapke { .. } => 1.0,
-    }
+    if scenario.photometry.is_hapke() { 1.0 } else { 1.0 / SCALED_ALBEDO }
 }
 
 pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
@@ -90,7 +87,11 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
         Photometry::Lambert => Reflectance::Lambert { normal_albedo },
         Photometry::LommelSeeliger => Reflectance::LommelSeeliger { normal_albedo },
         Photometry::LunarLambert => Reflectance::LunarLambert { normal_albedo },
+        Photometry::Minnaert { k } => Reflectance::Minnaert { normal_albedo, exponent: k },
+        Photometry::Akimov { eta } => Reflectance::Akimov { normal_albedo, smoothness: eta },
         Photometry::HapkeMoon => Reflectance::Hapke(Hapke::moon()),
+        Photometry::HapkeMars => Reflectance::Hapke(Hapke::mars()),
+        Photometry::HapkeMercury => Reflectance::Hapke(Hapke::mercury()),
         Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad, phi } => Reflectance::Hapke(Hapke {
             single_scattering_albedo: w,
             asymmetry: b,
@@ -102,7 +103,12 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
             mean_slope_rad: theta_bar_rad,
             filling_factor: phi,
             multiple_scattering: MultipleScattering::Hapke2002,
+            scale: 1.0,
         }),
+    };
+    let reflectance = match (reflectance, &scenario.albedo) {
+        (Reflectance::Hapke(hapke), Albedo::Constant(scale)) => Reflectance::Hapke(Hapke { scale: *scale, ..hapke }),
+        (other, _) => other,
     };
     reflectance.check()?;
     Ok(reflectance)

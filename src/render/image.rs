@@ -46,10 +46,44 @@ pub enum Quantity {
     Phase,
     /// Distance on a plane facing the camera between the pixel's centre and the next column's.
     GroundSampleDistance,
+    /// 1 where at least half of the Sun is seen, on average over the pixel, 0 in shadow.
+    SunIlluminationMask,
+    /// Angle of the Sun with the reference spheroid's normal at the pixel's centre.
+    EllipsoidIncidence,
+    /// Angle of the camera with the reference spheroid's normal at the pixel's centre.
+    EllipsoidEmission,
+    /// Angle of the surface normal with up at the pixel's centre.
+    Slope,
+    /// Azimuth of the way down the slope at the pixel's centre, clockwise from north, 0 to 360.
+    Aspect,
+    /// Direction of north in the image at the pixel's centre, from right towards down, 0 to 360.
+    NorthAzimuth,
+    /// Direction of the Sun's azimuth in the image at the pixel's centre, from right towards down, 0 to 360.
+    SunAzimuth,
+    /// Azimuth of the Sun at the pixel's centre, clockwise from north, 0 to 360.
+    SubsolarGroundAzimuth,
+    /// Where the ground at the pixel's centre is in the next exposure: columns and rows from here.
+    Flow,
+    /// 1 where the next exposure sees the ground at the pixel's centre, 0 where it is hidden or off the image.
+    Covisible,
+    /// Where the ground at the pixel's centre was in the exposure before.
+    FlowBack,
+    /// 1 where the exposure before sees the ground at the pixel's centre, 0 where it is hidden or off the image.
+    CovisibleBack,
+    /// 1 where the Sun came since the exposure before, -1 where it went, 0 elsewhere; of a camera that stands still.
+    ShadowChange,
+    /// Slope of the plane that fits the ground under a lander at the pixel's centre; see `hazards`.
+    HazardSlope,
+    /// Largest distance of the ground under a lander from that plane.
+    HazardRoughness,
+    /// Mean share of the Sun's disc that the ground under a lander sees.
+    HazardSunlit,
+    /// 1 where one of the limits of `hazards` is passed, 0 where a lander may stand.
+    Hazard,
 }
 
 impl Quantity {
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 37] = [
         Self::Radiance,
         Self::GroundIrradiance,
         Self::RadianceFactor,
@@ -70,6 +104,23 @@ impl Quantity {
         Self::Emission,
         Self::Phase,
         Self::GroundSampleDistance,
+        Self::SunIlluminationMask,
+        Self::EllipsoidIncidence,
+        Self::EllipsoidEmission,
+        Self::Slope,
+        Self::Aspect,
+        Self::NorthAzimuth,
+        Self::SunAzimuth,
+        Self::SubsolarGroundAzimuth,
+        Self::Flow,
+        Self::Covisible,
+        Self::FlowBack,
+        Self::CovisibleBack,
+        Self::ShadowChange,
+        Self::HazardSlope,
+        Self::HazardRoughness,
+        Self::HazardSunlit,
+        Self::Hazard,
     ];
 
     /// Names of the channels: ISIS `phocube` names where they exist.
@@ -95,6 +146,23 @@ impl Quantity {
             Self::Emission => &["LOCALEMISSION"],
             Self::Phase => &["PHASE"],
             Self::GroundSampleDistance => &["PIXELRESOLUTION"],
+            Self::SunIlluminationMask => &["SUNILLUMINATIONMASK"],
+            Self::EllipsoidIncidence => &["INCIDENCE"],
+            Self::EllipsoidEmission => &["EMISSION"],
+            Self::Slope => &["SLOPE"],
+            Self::Aspect => &["ASPECT"],
+            Self::NorthAzimuth => &["NORTHAZIMUTH"],
+            Self::SunAzimuth => &["SUNAZIMUTH"],
+            Self::SubsolarGroundAzimuth => &["SUBSOLARGROUNDAZIMUTH"],
+            Self::Flow => &["FLOW.X", "FLOW.Y"],
+            Self::Covisible => &["COVISIBLE"],
+            Self::FlowBack => &["FLOW_BACK.X", "FLOW_BACK.Y"],
+            Self::CovisibleBack => &["COVISIBLE_BACK"],
+            Self::ShadowChange => &["SHADOW_CHANGE"],
+            Self::HazardSlope => &["HAZARD_SLOPE"],
+            Self::HazardRoughness => &["HAZARD_ROUGHNESS"],
+            Self::HazardSunlit => &["HAZARD_SUNLIT"],
+            Self::Hazard => &["HAZARD"],
         }
     }
 
@@ -108,9 +176,28 @@ impl Quantity {
             | Self::SunFractionSigma
             | Self::Hit
             | Self::DemGap
-            | Self::Normal => "1",
-            Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance => "m",
-            Self::Latitude | Self::Longitude | Self::Incidence | Self::Emission | Self::Phase => "deg",
+            | Self::Normal
+            | Self::SunIlluminationMask
+            | Self::Covisible
+            | Self::CovisibleBack
+            | Self::ShadowChange
+            | Self::HazardSunlit
+            | Self::Hazard => "1",
+            Self::Flow | Self::FlowBack => "px",
+            Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance | Self::HazardRoughness => "m",
+            Self::Latitude
+            | Self::Longitude
+            | Self::Incidence
+            | Self::Emission
+            | Self::Phase
+            | Self::EllipsoidIncidence
+            | Self::EllipsoidEmission
+            | Self::Slope
+            | Self::Aspect
+            | Self::NorthAzimuth
+            | Self::SunAzimuth
+            | Self::SubsolarGroundAzimuth
+            | Self::HazardSlope => "deg",
         }
     }
 }

@@ -14,7 +14,7 @@ pub mod view;
 
 pub use image::{Image, Plane, Quantity};
 pub use passes::DeviceGround;
-pub use planes::Samples;
+pub use planes::{LIT_SHARE, Samples};
 pub use view::{Ambient, Light, Scene, Shadows, View};
 
 use std::time::Duration;

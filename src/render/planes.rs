@@ -41,17 +41,48 @@ impl Quantity {
             | DigitalNumber
             | NoiseFreeDigitalNumber
             | SunFraction
-            | Hit => false,
+            | SunIlluminationMask
+            | Hit
+            | ShadowChange => false,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard => true,
+            EllipsoidIncidence
+            | EllipsoidEmission
+            | Slope
+            | Aspect
+            | NorthAzimuth
+            | SunAzimuth
+            | SubsolarGroundAzimuth => true,
             SunFractionSigma | DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence
             | Emission | Phase | GroundSampleDistance => true,
         }
     }
 }
 
-/// The planes of `scene.quantities`.
+/// From this share of the Sun's disc on a pixel is lit.
+pub const LIT_SHARE: f32 = 0.5;
+
+impl Quantity {
+    /// True for planes that need more than one view, or a lander: [`crate::render`] leaves them to whoever knows those.
+    pub fn is_label(self) -> bool {
+        use Quantity::*;
+        matches!(
+            self,
+            Flow | Covisible
+                | FlowBack
+                | CovisibleBack
+                | ShadowChange
+                | HazardSlope
+                | HazardRoughness
+                | HazardSunlit
+                | Hazard
+        )
+    }
+}
+
+/// The planes of `scene.quantities`, but for labels.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
     let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
-    let planes = scene.quantities.iter().flat_map(|&quantity| {
+    let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
         let channels = match quantity {
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
                 vec![digital_numbers(scene, view, quantity, samples)]
@@ -99,6 +130,8 @@ fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mea
         Quantity::GroundIrradiance => mean.irradiance_w_m2,
         Quantity::SunFraction => mean.sun_fraction,
         Quantity::Hit => mean.hit,
+        Quantity::SunIlluminationMask if mean.sun_fraction.is_nan() => f32::NAN,
+        Quantity::SunIlluminationMask => f32::from(u8::from(mean.sun_fraction >= LIT_SHARE)),
         Quantity::RadianceFactor => {
             let facing_w_m2 = view.lights.first().map_or(f64::NAN, |sun| sun.irradiance_w_m2);
             (f64::from(mean.radiance_w_m2_sr) * std::f64::consts::PI / facing_w_m2) as f32
@@ -141,16 +174,57 @@ fn geometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, hit: 
         Quantity::Incidence => angle(Some(normal), to_sun),
         Quantity::Emission => angle(Some(normal), to_camera),
         Quantity::Phase => angle(to_sun, to_camera),
+        Quantity::EllipsoidIncidence => angle(Some(bare_normal(scene, hit.position)), to_sun),
+        Quantity::EllipsoidEmission => angle(Some(bare_normal(scene, hit.position)), to_camera),
+        Quantity::Slope => angle(Some(bare_normal(scene, hit.position)), Some(normal)),
+        Quantity::Aspect => single(azimuth_deg(local_m(scene, hit, normal.unit()))),
+        Quantity::SubsolarGroundAzimuth => {
+            single(to_sun.map_or(f64::NAN, |to_sun| azimuth_deg(local_m(scene, hit, to_sun.unit()))))
+        }
+        Quantity::NorthAzimuth => single(image_azimuth_deg(scene, view, hit, DVec3::Y)),
+        Quantity::SunAzimuth => single(to_sun.map_or(f64::NAN, |to_sun| {
+            let local = local_m(scene, hit, to_sun.unit());
+            image_azimuth_deg(scene, view, hit, local.with_z(0.0))
+        })),
         Quantity::GroundSampleDistance => single(hit.distance_m * pixel_angle_rad(scene, pixel)),
         _ => unreachable!("{quantity:?} is radiometric"),
     }
 }
 
 /// The angle between a pixel's ray and the next column's.
-fn pixel_angle_rad(scene: &Scene, pixel: DVec2) -> f64 {
+pub fn pixel_angle_rad(scene: &Scene, pixel: DVec2) -> f64 {
     let here = scene.optics.direction(pixel);
     let next = scene.optics.direction(pixel + DVec2::X);
     here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
+}
+
+/// East, north and up components at a hit.
+fn local_m(scene: &Scene, hit: &Hit, vector_m: DVec3) -> DVec3 {
+    let body = &scene.surface.terrain.body;
+    body.local_from_body(body.geodetic_from_position(hit.position)).turn(vector_m)
+}
+
+/// Azimuth of a local vector, clockwise from north, 0 to 360.
+fn azimuth_deg(local: DVec3) -> f64 {
+    local.x.atan2(local.y).to_degrees().rem_euclid(360.0)
+}
+
+/// Way along the ground over which a direction in the image is taken, per distance of the camera: less than a pixel, more than
+/// rounding.
+const AZIMUTH_STEP: f64 = 1e-4;
+
+/// How a horizontal local direction looks in the image, from right towards down, 0 to 360.
+fn image_azimuth_deg(scene: &Scene, view: &View, hit: &Hit, local: DVec3) -> f64 {
+    let body = &scene.surface.terrain.body;
+    let along =
+        body.local_from_body(body.geodetic_from_position(hit.position)).inverse().turn(local.normalize_or_zero());
+    let pixel = |sign: f64| {
+        let point_m = hit.position.vector_m() + sign * AZIMUTH_STEP * hit.distance_m * along;
+        let direction = Direction::new(view.camera_from_body.turn(point_m - view.camera_position.vector_m()))?;
+        scene.optics.pixel(direction)
+    };
+    let step = pixel(1.0).zip(pixel(-1.0)).map_or(DVec2::NAN, |(ahead, behind)| ahead - behind);
+    step.y.atan2(step.x).to_degrees().rem_euclid(360.0)
 }
 
 /// The outward normal of the ground at a hit, interpolated between the nodes' central differences.

@@ -51,7 +51,8 @@ impl Renderer for Reference {
     }
 }
 
-fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
+/// The scene's method of shadows, with whatever it finds in advance for a view's lights.
+pub fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
     let surface = &scene.surface;
     if let Some(settled) = Settled::of(scene) {
         return Some(Box::new(settled));
@@ -65,6 +66,14 @@ fn shadow<'a>(scene: &'a Scene, view: &View) -> Option<Box<dyn Shadow + 'a>> {
         Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
         Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
         Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
+    }
+}
+
+/// Share of the Sun's disc that a point of the ground sees; NaN on ground without heights.
+pub fn sun_fraction(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> f64 {
+    match view.lights.first() {
+        Some(sun) if hit.ground != Ground::Gap => illuminate(scene, shadow, hit, normal(scene, hit), (0, sun)).fraction,
+        _ => f64::NAN,
     }
 }
 

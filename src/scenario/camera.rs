@@ -1,8 +1,9 @@
 //! Resolves camera, detector and outputs.
 
 use super::resolve::Check;
-use super::resolved::{Camera, Detector, Outputs};
+use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::labels::Limits;
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
 const BAND_NM: [f64; 2] = [100.0, 20_000.0];
@@ -81,6 +82,30 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
         check.rule(!twice, &format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")), "is listed twice");
     }
     spec.outputs.clone()
+}
+
+/// Lists that exist, of a terrain that has some.
+pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
+    let written = spec.landmarks.as_ref()?;
+    let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let list = |(index, list): (usize, &spec::CraterList)| match list {
+        spec::CraterList::Terrain => {
+            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
+            CraterList::Terrain
+        }
+        spec::CraterList::File { path } => {
+            CraterList::File(check.file(&format!("landmarks.lists[{index}].path"), path))
+        }
+    };
+    let lists = written.lists.iter().enumerate().map(list).collect();
+    Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
+}
+
+pub fn hazards(written: &spec::Hazards) -> Limits {
+    let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
+    Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
 }
 
 fn snake_case(name: &str) -> String {

@@ -160,6 +160,8 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         detector: camera::detector(spec, check),
         exposures,
         outputs: camera::outputs(spec, check),
+        landmarks: camera::landmarks(spec, check),
+        hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
     }
 }

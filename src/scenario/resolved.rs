@@ -46,6 +46,9 @@ pub struct Scenario {
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
     pub outputs: Outputs,
+    /// `None`: no landmarks are written.
+    pub landmarks: Option<Landmarks>,
+    pub hazards: crate::labels::Limits,
     pub seed: u64,
 }
 
@@ -80,8 +83,19 @@ pub enum Photometry {
     Lambert,
     LommelSeeliger,
     LunarLambert,
+    Minnaert { k: f64 },
+    Akimov { eta: f64 },
     HapkeMoon,
+    HapkeMars,
+    HapkeMercury,
     Hapke { w: f64, b: f64, c: f64, bs0: f64, hs: f64, bc0: f64, hc: f64, theta_bar_rad: f64, phi: f64 },
+}
+
+impl Photometry {
+    /// Whether its reflectance is its own, so that an albedo multiplies it.
+    pub fn is_hapke(&self) -> bool {
+        matches!(self, Self::HapkeMoon | Self::HapkeMars | Self::HapkeMercury | Self::Hapke { .. })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -194,13 +208,31 @@ pub struct Camera {
     pub exposure_s: f64,
 }
 
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landmarks {
+    pub lists: Vec<CraterList>,
+    pub smallest_px: f64,
+    pub overlay: bool,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum CraterList {
+    /// Of the made models of the terrain.
+    Terrain,
+    File(PathBuf),
+}
+
 impl From<&spec::Photometry> for Photometry {
     fn from(written: &spec::Photometry) -> Self {
         match *written {
             spec::Photometry::Lambert => Self::Lambert,
             spec::Photometry::LommelSeeliger => Self::LommelSeeliger,
             spec::Photometry::LunarLambert => Self::LunarLambert,
+            spec::Photometry::Minnaert { k } => Self::Minnaert { k },
+            spec::Photometry::Akimov { eta } => Self::Akimov { eta },
             spec::Photometry::HapkeMoon => Self::HapkeMoon,
+            spec::Photometry::HapkeMars => Self::HapkeMars,
+            spec::Photometry::HapkeMercury => Self::HapkeMercury,
             spec::Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_deg, phi } => {
                 Self::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad: theta_bar_deg.to_radians(), phi }
             }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Dem, FixedSun, Horizon, Sun, Terrain};
+use super::resolved::{Albedo, Dem, FixedSun, Horizon, Photometry, Sun, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
@@ -135,7 +135,7 @@ pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {
 }
 
 pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
-    let is_hapke = matches!(written.photometry, spec::Photometry::HapkeMoon | spec::Photometry::Hapke { .. });
+    let is_hapke = Photometry::from(&written.photometry).is_hapke();
     match &written.albedo {
         None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),

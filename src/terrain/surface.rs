@@ -58,17 +58,30 @@ impl Surface {
 
     /// The surface straight below (or above) a point: towards the centre of projection of its map.
     pub fn below(&self, point: Position<BodyFixed>) -> Position<BodyFixed> {
-        for face in &self.terrain.faces {
+        self.ground_below(point).position
+    }
+
+    /// The same with what is there, as a ray from the point would meet it.
+    pub fn ground_below(&self, point: Position<BodyFixed>) -> Hit {
+        let hit = |ground, position: Position<BodyFixed>| {
+            let distance_m = point.distance_m(position);
+            Hit { ground, position, distance_m }
+        };
+        for (index, face) in self.terrain.faces.iter().enumerate() {
             let Some(lifted) = face.map.lifted_from_body(point) else { continue };
             let at_m = lifted.truncate();
-            if let Some(level) = face.level_at(at_m).map(|level| &face.levels[level]) {
-                let height_m = level.bilinear_m(level.grid_from_map(at_m)).expect("the level sees this point");
-                return face.map.body_from_lifted(at_m.extend(height_m));
+            if let Some(level) = face.level_at(at_m) {
+                let grid = face.levels[level].grid_from_map(at_m);
+                let height_m = face.levels[level].bilinear_m(grid).expect("the level sees this point");
+                let lifted = at_m.extend(height_m);
+                let is_gap = face.levels[level].cell(grid).is_some_and(|(c, r)| face.levels[level].cell_has_gap(c, r));
+                let ground = if is_gap { Ground::Gap } else { Ground::Dem { face: index, level, lifted } };
+                return hit(ground, face.map.body_from_lifted(lifted));
             }
         }
         let body = &self.terrain.body;
         let ground = crate::geometry::Geodetic { height_m: 0.0, ..body.geodetic_from_position(point) };
-        body.position_from_geodetic(ground)
+        hit(Ground::Bare, body.position_from_geodetic(ground))
     }
 
     fn intersect_bare(&self, origin: Position<BodyFixed>, direction: Direction<BodyFixed>) -> Option<Hit> {

@@ -21,12 +21,27 @@ fn a_map_and_a_series_are_written_and_bad_arguments_refused() {
     assert!(made.status.success());
     let span = ["--from", "2026-01-01T00:00:00Z", "--until", "2026-01-15T00:00:00Z", "--step", "6h"];
     let paths = ["illuminate", text(&dem), "-o", text(&out), "--cache", text(&cache)];
-    let output = sim(&[&paths[..], &span, &["--at", "-89.01,30.2", "--json"]].concat());
+    let ring = folder.path().join("pad.csv");
+    std::fs::write(&ring, "latitude,longitude\n-89.02,29\n-89.02,31\n-88.98,30\n").unwrap();
+    let more = ["--at", "-89.01,30.2", "--area", "-89,30,1500", "--area", text(&ring), "--best", "2", "--json"];
+    let output = sim(&[&paths[..], &span, &more].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(json["report"]["tables"][1]["rows"].as_array().unwrap().len(), 1);
-    let series = std::fs::read_to_string(out.join("place_1.csv")).unwrap();
-    assert_eq!(series.lines().count(), 1 + 14 * 4);
+    let table = |name: &str| {
+        let tables = json["report"]["tables"].as_array().unwrap();
+        tables.iter().find(|table| table["name"] == name).unwrap()["rows"].as_array().unwrap().clone()
+    };
+    assert_eq!((table("areas").len(), table("places").len(), table("check").len()), (2, 3, 3));
+    // A circle of 1.5 km by nodes of 100 m.
+    let km2 = table("areas")[0]["size_km²"].as_f64().unwrap();
+    assert!((km2 - std::f64::consts::PI * 2.25).abs() < 0.2, "{km2}");
+    for (file, lines) in [("place_1", 57), ("place_3", 57), ("area_1", 57), ("area_2", 57)] {
+        let series = std::fs::read_to_string(out.join(format!("{file}.csv"))).unwrap();
+        assert_eq!(series.lines().count(), lines, "{file}");
+    }
+    for file in ["html", "lit_share.png", "areas.csv", "places.csv", "json"] {
+        assert!(out.join(format!("illumination.{file}")).is_file(), "{file}");
+    }
     // The map lies where the elevation model lies.
     let map = gdal::Dataset::open(out.join("illumination.tif")).unwrap();
     let (columns, rows) = map.raster_size();
@@ -40,6 +55,10 @@ fn a_map_and_a_series_are_written_and_bad_arguments_refused() {
     for (more, word) in [
         (&["--at", "-80,30"][..], "outside the elevation models"),
         (&["--lit", "1.5"], "share between 0 and 1"),
+        (&["--area", "-89,30,10"], "holds no node"),
+        (&["--area", "-80,30,1000"], "holds no node"),
+        (&["--area", "pad.json"], "is no file"),
+        (&["--memory", "1"], "--memory"),
         (&["--until", "2025-01-01T00:00:00Z"], "steps"),
         (&["--until", "2250-01-01T00:00:00Z"], "coverage"),
     ] {

@@ -12,13 +12,15 @@ use tempfile::TempDir;
 fn dataset() -> TempDir {
     let folder = TempDir::new().unwrap();
     let run = Run { title: "a test".into(), name: "test".into(), ..Run::default() };
-    let settings = Settings { tiff: true, animation: true, white: White::Auto };
+    let settings = Settings { tiff: true, animation: true, overlay: false, white: White::Auto };
     let mut writer = Writer::open(folder.path(), run, 2, settings).unwrap();
     for index in 0..2 {
         let values = (0..8).map(|pixel| 2.0 * pixel as f32).collect();
         let planes = vec![Plane { quantity: Quantity::Radiance, name: "RADIANCE", values }];
         let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
-        writer.submit(Exposure { index, image: Image { columns: 4, rows: 2, planes }, facts }).unwrap();
+        writer
+            .submit(Exposure { index, image: Image { columns: 4, rows: 2, planes }, facts, landmarks: None })
+            .unwrap();
     }
     writer.finish().unwrap();
     folder

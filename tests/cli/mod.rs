@@ -5,6 +5,7 @@ mod ephemeris;
 mod horizon;
 mod illuminate;
 mod inspect;
+mod labels;
 mod methods;
 pub mod run;
 mod run_input;

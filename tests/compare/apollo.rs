@@ -26,6 +26,7 @@ fn request(folder: &std::path::Path, photo: &str, cache: &std::path::Path) -> Re
         dark: 0.0,
         pixels: None,
         ablation: false,
+        turn_sun: false,
         cache: cache.into(),
         adapter: AdapterChoice::Auto,
     }

@@ -188,6 +188,7 @@ impl Case {
             dark: 0.0,
             pixels: None,
             ablation: false,
+            turn_sun: false,
             cache: self.path("cache"),
             adapter: AdapterChoice::Cpu,
         }

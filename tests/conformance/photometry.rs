@@ -36,13 +36,17 @@ fn moon() -> Reflectance {
     Reflectance::Hapke(Hapke { coherent_amplitude: 0.4, coherent_width: 0.05, filling_factor: 0.2, ..Hapke::moon() })
 }
 
-fn laws() -> [Reflectance; 9] {
+fn laws() -> [Reflectance; 13] {
     [
         Reflectance::Lambert { normal_albedo: 0.12 },
         Reflectance::LommelSeeliger { normal_albedo: 0.12 },
         Reflectance::LunarLambert { normal_albedo: 0.12 },
         Reflectance::Minnaert { normal_albedo: 0.12, exponent: 0.7 },
+        Reflectance::Akimov { normal_albedo: 0.12, smoothness: 1.0 },
+        Reflectance::Akimov { normal_albedo: 0.12, smoothness: 0.34 },
         Reflectance::Hapke(Hapke::moon()),
+        Reflectance::Hapke(Hapke::mars()),
+        Reflectance::Hapke(Hapke::mercury()),
         moon(),
         Reflectance::Hapke(Hapke { mean_slope_rad: 0.0, ..Hapke::moon() }),
         Reflectance::Hapke(Hapke { shadow_hiding_width: 0.0, coherent_width: 0.0, ..Hapke::moon() }),
@@ -334,6 +338,23 @@ fn reflectance_comparisons() -> Vec<Comparison> {
             |x| vec![(1.0 - 0.019 * x[0] + 0.242e-3 * x[0].powi(2) - 1.46e-6 * x[0].powi(3)).max(0.0)],
         ),
         comparison(
+            "akimov",
+            "y[0] = akimov(x[3], x[0], x[1], x[2]);",
+            usual.iter().enumerate().map(|(i, x)| [&x[..], &[0.3 + 0.1 * (i % 8) as f32]].concat()).collect(),
+            (1e-3, 1e-3),
+            |x| {
+                // With the longitude c from the point below the camera, as printed.
+                let g = x[2].clamp(-1.0, 1.0).acos();
+                if g < 1e-3 {
+                    return vec![1.0 / x[0]];
+                }
+                let c = ((x[0] / x[1] - g.cos()) / g.sin()).atan();
+                let (b, supplement) = (x[1] / c.cos(), std::f64::consts::PI - g);
+                let towards = (PI / supplement * (c - g / 2.0)).cos().max(0.0);
+                vec![(g / 2.0).cos() * towards * b.powf(x[3] * g / supplement) / c.cos() / x[0]]
+            },
+        ),
+        comparison(
             "hapke_lobe",
             "y[0] = hapke_lobe(x[0], x[1]);",
             spread(1000, &[(0.0, 0.9), (-1.0, 1.0)]),
@@ -496,6 +517,7 @@ fn mistakes_in_the_shaders_are_noticed() {
         ("if cosine >= b.height {", "if false {", "light_in_wedge"),
         ("- z / 39916800.0", "", "small_sine"),
         ("(0.5 - r0 * x)", "(1.0 - r0 * x)", "hapke_sr"),
+        ("half_cosine * towards_terminator", "towards_terminator", "akimov"),
         ("select(near_cosine, far_cosine, swapped)", "near_cosine", "hapke_rough"),
     ] {
         let mut shader = shader(ALPHA, &moon());

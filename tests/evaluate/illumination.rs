@@ -7,8 +7,7 @@ use hifitime::{Epoch, Unit};
 use perilune::geometry::{Body, Geodetic};
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{self, Encoding, Request, Settings};
-use perilune::illumination::place::Summary;
-use perilune::illumination::{Lit, Maps, Place, Seen, Track, maps};
+use perilune::illumination::{Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best};
 use perilune::photometry::{LimbDarkening, SolarDisk};
 use perilune::terrain::{Face, Gnomonic, Level};
 
@@ -59,12 +58,26 @@ fn rough(at_m: DVec2) -> f64 {
     40.0 * (k * at_m.x).sin() * (0.9 * k * at_m.y).cos() + 120.0 * (0.29 * k * (at_m.x + 0.4 * at_m.y)).sin()
 }
 
+/// By a tile.
 fn mapped(face: &Face, encoding: Encoding, lit: Lit) -> Maps {
     let folder = tempfile::tempdir().unwrap();
     let (body, settings) = (Body::moon(), Settings::default());
     let request = Request { body: &body, face, level: 0, settings, encoding };
     let horizons = horizon::build(&request, folder.path(), &|_, _| {}).unwrap();
-    maps(face, 0, &horizons, &track(), &disk(), lit, &|_, _| {})
+    studied(face, &Skylines::Decoded(&horizons), lit, &[]).0
+}
+
+/// By skylines that are swept for it.
+fn swept(face: &Face, azimuths: usize, areas: &[Vec<bool>]) -> (Maps, Vec<Series>) {
+    let settings = Settings { azimuths, ..Settings::default() };
+    let held = perilune::illumination::maps::needed_blocks(&face.levels[0], areas);
+    let skylines = Skylines::Swept(Swept::new(face, 0, &settings, held, &|_, _| {}));
+    studied(face, &skylines, Lit::AnyLimb, areas)
+}
+
+fn studied(face: &Face, skylines: &Skylines, lit: Lit, areas: &[Vec<bool>]) -> (Maps, Vec<Series>) {
+    let (track, disk) = (track(), disk());
+    Study { face, level: 0, skylines, track: &track, disk: &disk, lit, areas }.run(&|_, _| {})
 }
 
 fn disk() -> SolarDisk {
@@ -97,39 +110,84 @@ fn on_a_bare_sphere_a_node_is_lit_while_the_sun_is_up() {
     }
 }
 
+/// Swept skylines err by 0.005°, a fiftieth of the disc, where the Sun grazes them: a hundredth of the time. Between 720
+/// azimuths waves of 2 km leave nothing. A tile of 16 coefficients errs by 0.1°, a fifteenth of the Sun's swing.
 #[test]
-fn maps_agree_with_places_that_are_traced() {
+fn maps_are_those_of_traced_skylines() {
     let face = face(160, 100.0, rough);
-    let maps = mapped(&face, Encoding::F16, Lit::AnyLimb);
-    let (track, settings) = (track(), Settings::default());
+    let (track, disk, settings) = (track(), disk(), Settings::default());
     let tracer = Tracer::new(&face, &settings);
-    let mut differences = Vec::new();
-    for (column, row) in (0..40).map(|i| (3 + 31 * i % 150, 7 + 47 * i % 150)) {
-        let at_m = face.levels[0].node_m(column, row);
-        let up = face.map.map_from_body.inverse().turn(face.map.up(at_m).unit());
-        let at = Geodetic { latitude_rad: up.z.asin(), longitude_east_rad: up.y.atan2(up.x), height_m: 0.0 };
-        let place = Place::new(&Body::moon(), &face.map, &tracer, at).unwrap();
-        let summary = Summary::of(&place.moments(&track, &disk(), Lit::AnyLimb), 1.0);
-        let index = row * 160 + column;
-        differences.push((f64::from(maps.disc_share[index]) - summary.disc_share).abs());
-        assert!((f64::from(maps.earth_share[index]) - summary.earth_share).abs() < 0.5, "{summary:?}");
+    let errors = |skylines: &Skylines| {
+        let study =
+            Study { face: &face, level: 0, skylines, track: &track, disk: &disk, lit: Lit::AnyLimb, areas: &[] };
+        let (maps, _) = study.run(&|_, _| {});
+        Traced::of(&study, &Body::moon(), &tracer, 40).check(&maps)
+    };
+    let held = (0..25).collect();
+    let settings = Settings { azimuths: 720, ..settings };
+    let of_sweep = errors(&Skylines::Swept(Swept::new(&face, 0, &settings, held, &|_, _| {})));
+    assert_eq!(of_sweep.nodes, 40);
+    assert!(of_sweep.disc_share.rms < 3e-4 && of_sweep.disc_share.largest < 1e-3, "{of_sweep:?}");
+    // A step of 2000 more or less.
+    assert!(of_sweep.lit_share.rms < 1e-3 && of_sweep.earth_share.largest < 1e-9, "{of_sweep:?}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let body = Body::moon();
+    let request =
+        Request { body: &body, face: &face, level: 0, settings: Settings::default(), encoding: Encoding::F16 };
+    let tile = horizon::build(&request, folder.path(), &|_, _| {}).unwrap();
+    let of_tile = errors(&Skylines::Decoded(&tile));
+    assert!(of_tile.disc_share.largest < 0.06, "{of_tile:?}");
+    // The comparison tells the two apart.
+    assert!(of_tile.disc_share.rms > 5.0 * of_sweep.disc_share.rms, "{of_tile:?} {of_sweep:?}");
+}
+
+/// Means over time of an area's series are means over its nodes of the maps, whatever else is mapped.
+#[test]
+fn an_areas_series_is_the_mean_of_its_nodes() {
+    let face = face(160, 100.0, rough);
+    let body = Body::moon();
+    let circle = Area::Circle { centre: Geodetic::from_degrees(-89.9, 40.0, 0.0), radius_m: 2500.0 };
+    let deg = [[-89.95, 300.0], [-89.8, 330.0], [-89.8, 270.0]];
+    let corners = deg.map(|[latitude, longitude]| Geodetic::from_degrees(latitude, longitude, 0.0));
+    let areas = [circle, Area::Polygon(vec![corners.to_vec()])];
+    let counts = areas.map(|area| area.nodes(&body, &face.map, &face.levels[0]).unwrap());
+    let (maps, series) = swept(&face, 360, &counts);
+    let (whole, _) = swept(&face, 360, &[]);
+    for (counts, series) in counts.iter().zip(&series) {
+        let summary = AreaSummary::of(&maps, counts, series, 1.0);
+        assert!(summary.nodes > 500);
+        let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len() as f64;
+        for (of_series, of_nodes) in [
+            (&series.lit_share, summary.lit_share),
+            (&series.disc_share, summary.disc_share),
+            (&series.earth_share, summary.earth_share),
+        ] {
+            // Sums of 2000 single-precision numbers.
+            assert!((mean(of_series) - of_nodes.mean).abs() < 1e-5, "{summary:?}");
+        }
+        // The area is dark no longer than each of its nodes, and lit somewhere at least as often as its best one.
+        assert!(summary.longest_dark_h <= summary.longest_night_h.least + 1e-9, "{summary:?}");
+        assert!(summary.some_lit_share >= summary.lit_share.most - 1e-6, "{summary:?}");
+        let same = |node: usize| counts[node].then(|| maps.lit_share[node] == whole.lit_share[node]);
+        assert!((0..counts.len()).filter_map(same).all(|same| same));
     }
-    differences.sort_by(f64::total_cmp);
-    // 16 coefficients leave an RMS of 0.1°, a fifteenth of the Sun's swing, of either sign over the azimuths.
-    assert!(differences[20] < 0.01 && differences[39] < 0.06, "{differences:?}");
-    // The same terrain without its relief is another place altogether.
-    let flat = Summary::of(
-        &Place::new(
-            &Body::moon(),
-            &face.map,
-            &Tracer::new(&self::face(160, 100.0, |_| 0.0), &settings),
-            Geodetic::from_degrees(-89.9, 10.0, 0.0),
-        )
-        .unwrap()
-        .moments(&track, &disk(), Lit::AnyLimb),
-        1.0,
-    );
-    assert!(maps.disc_share.iter().any(|share| (f64::from(*share) - flat.disc_share).abs() > 0.1));
+    let outside = |node: usize| !counts.iter().any(|counts| counts[node]);
+    assert!((0..160 * 160).all(|node| maps.disc_share[node].is_nan() == outside(node)));
+}
+
+#[test]
+fn the_best_nodes_are_those_of_largest_value_that_lie_apart() {
+    let face = face(60, 100.0, |_| 0.0);
+    let mut values = vec![0.1; 3600];
+    for (node, value) in [(30 * 60 + 30, 0.9), (30 * 60 + 33, 0.8), (30 * 60 + 36, 0.7), (5, 0.6), (6, f32::NAN)] {
+        values[node] = value;
+    }
+    let level = &face.levels[0];
+    assert_eq!(best(&values, &face.map, level, 3, 350.0), [1830, 1836, 5]);
+    assert_eq!(best(&values, &face.map, level, 3, 250.0), [1830, 1833, 1836]);
+    let all = best(&values, &face.map, level, 4000, 1.0);
+    assert!(all.len() == 3599 && !all.contains(&6));
 }
 
 #[test]

@@ -15,13 +15,17 @@ fn disk() -> SolarDisk {
     SolarDisk::new(LimbDarkening::hestroffer_magnan(550.0).unwrap()).unwrap()
 }
 
-fn laws() -> [Reflectance; 7] {
+fn laws() -> [Reflectance; 11] {
     let moon = Hapke::moon();
     [
         Reflectance::Lambert { normal_albedo: 0.4 },
         Reflectance::LommelSeeliger { normal_albedo: 0.25 },
         Reflectance::LunarLambert { normal_albedo: 0.4 },
         Reflectance::Minnaert { normal_albedo: 0.4, exponent: 0.7 },
+        Reflectance::Akimov { normal_albedo: 0.25, smoothness: 1.0 },
+        Reflectance::Akimov { normal_albedo: 0.25, smoothness: 0.34 },
+        Reflectance::Hapke(Hapke::mars()),
+        Reflectance::Hapke(Hapke::mercury()),
         Reflectance::Hapke(moon),
         Reflectance::Hapke(Hapke { coherent_amplitude: 0.5, coherent_width: 0.1, filling_factor: 0.3, ..moon }),
         Reflectance::Hapke(Hapke { multiple_scattering: MultipleScattering::Hapke1981, mean_slope_rad: 0.2, ..moon }),

@@ -2,8 +2,11 @@
 
 mod default_kernels;
 mod ephemeris;
+mod flow;
 mod globe;
+mod hazards;
 mod horizon;
+mod labels;
 mod photometry;
 mod raster;
 mod render;

@@ -7,7 +7,7 @@ fn run() -> Run {
     Run { title: "a test".into(), name: "test".into(), ..Run::default() }
 }
 
-const SETTINGS: Settings = Settings { tiff: true, animation: true, white: White::Auto };
+const SETTINGS: Settings = Settings { tiff: true, animation: true, overlay: true, white: White::Auto };
 
 fn open(folder: &Path) -> Writer {
     Writer::open(folder, run(), 4, SETTINGS).unwrap()
@@ -20,7 +20,7 @@ fn exposure(index: usize) -> Exposure {
         Plane { quantity: Quantity::Depth, name: "DEPTH", values: values(1e3) },
     ];
     let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
-    Exposure { index, image: Image { columns: 8, rows: 6, planes }, facts }
+    Exposure { index, image: Image { columns: 8, rows: 6, planes }, facts, landmarks: None }
 }
 
 fn write(folder: &Path, indices: impl IntoIterator<Item = usize>) -> Summary {

@@ -72,7 +72,7 @@ pub fn tile(
 
 /// A folder that is gone when it is no longer needed.
 #[derive(Debug)]
-pub(super) struct Scratch {
+pub(in crate::evaluate) struct Scratch {
     pub path: PathBuf,
 }
 

@@ -7,7 +7,7 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use output::{Detector, Outputs, Preview};
+pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
@@ -73,6 +73,12 @@ pub struct Spec {
     /// What is written.
     #[serde(default)]
     pub outputs: Outputs,
+    /// Craters as ellipses and conics. Default: none.
+    #[serde(default)]
+    pub landmarks: Option<Landmarks>,
+    /// A lander, for the planes hazard_….
+    #[serde(default)]
+    pub hazards: Hazards,
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,

@@ -40,7 +40,7 @@ pub struct Detector {
 #[serde(deny_unknown_fields, default)]
 pub struct Outputs {
     /// Planes of each image.
-    #[schemars(length(min = 1, max = 17))]
+    #[schemars(length(min = 1, max = 64))]
     pub planes: Vec<Quantity>,
     /// Writes the planes as float TIFF too, one page each; OpenEXR is always written.
     pub tiff: bool,
@@ -59,6 +59,65 @@ impl Default for Outputs {
             animation: true,
         }
     }
+}
+
+/// Craters as ellipses and conics, image by image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Landmarks {
+    /// Where craters are listed. What an earlier list holds is left out of later ones.
+    #[schemars(length(min = 1, max = 16))]
+    pub lists: Vec<CraterList>,
+    /// Craters whose longest diameter is less in an image are left out of it.
+    #[schemars(range(min = 0.1, max = 65536.0))]
+    pub smallest_px: f64,
+    /// Writes each preview with the ellipses drawn over it.
+    pub overlay: bool,
+}
+
+impl Default for Landmarks {
+    fn default() -> Self {
+        Self { lists: vec![CraterList::Terrain], smallest_px: 5.0, overlay: false }
+    }
+}
+
+/// A lander: what the planes hazard_slope, hazard_roughness, hazard_sunlit and hazard refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Hazards {
+    /// Diameter of the disc that it stands on.
+    #[schemars(range(min = 0.01, max = 100_000.0))]
+    pub footprint_m: f64,
+    /// Steepest ground that it stands.
+    #[schemars(range(min = 0.0, max = 90.0))]
+    pub slope_deg: f64,
+    /// Highest rock, or deepest hole, against the plane of the ground.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub roughness_m: f64,
+    /// Least mean share of the Sun's disc over the footprint. 0: light does not matter.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub sunlit_share: f64,
+}
+
+/// 0.3 m and 5 to 10° are what ALHAT looks for (Epp & Smith 2007, doi:10.1109/AERO.2007.352724).
+impl Default for Hazards {
+    fn default() -> Self {
+        Self { footprint_m: 10.0, slope_deg: 10.0, roughness_m: 0.3, sunlit_share: 0.0 }
+    }
+}
+
+/// A list of craters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum CraterList {
+    /// Those that made terrain was given.
+    Terrain,
+    /// A catalogue in comma-separated values: the columns id, latitude_deg, longitude_deg, diameter_m and optionally
+    /// minor_diameter_m, azimuth_deg, depth_m, or those of Robbins (2019).
+    File {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
 }
 
 /// Scale of the preview images. It is the same for the whole sequence.

@@ -290,8 +290,25 @@ pub enum Photometry {
     /// McEwen's mixture of the two with the Moon's phase function.
     #[default]
     LunarLambert,
-    /// Hapke's model with the parameters of the Moon.
+    /// Radiance falls with the incidence as a power of its cosine. Not beyond 80° of emission, where it diverges.
+    Minnaert {
+        /// 1 is Lambert's law.
+        #[schemars(range(min = 0.5, max = 1.5))]
+        k: f64,
+    },
+    /// Akimov's law, found on the Moon: flat at full phase, falling towards terminator and poles.
+    Akimov {
+        /// How fast light falls towards the poles of the photometric system: 1 is the law without a parameter.
+        #[serde(default = "one")]
+        #[schemars(range(min = 0.0, max = 2.0))]
+        eta: f64,
+    },
+    /// Hapke's model with the parameters of the Moon at 566 nm (Sato et al. 2014).
     HapkeMoon,
+    /// Hapke's model with parameters of Mars in red light (Kirk & Johnson, in USGS ISIS).
+    HapkeMars,
+    /// Hapke's model with parameters of Mercury at 554 nm (Warell & Valegård 2006).
+    HapkeMercury,
     /// Hapke's model.
     Hapke {
         /// Single-scattering albedo.
@@ -301,7 +318,7 @@ pub enum Photometry {
         #[schemars(range(min = 0.0, max = 0.999))]
         b: f64,
         /// Weight of the backward lobe: 1 is all backward, -1 all forward.
-        #[schemars(range(min = -1.0, max = 1.0))]
+        #[schemars(range(min = -1.3, max = 1.3))]
         c: f64,
         /// Amplitude of the shadow-hiding opposition surge.
         #[serde(default)]

@@ -1,0 +1,9 @@
+//! Illumination of areas and places as tables, plots, pictures and series.
+
+pub mod findings;
+pub mod percentages;
+mod pictures;
+mod plots;
+pub mod series;
+
+pub use findings::{Findings, Lot, Named};

@@ -1,0 +1,49 @@
+//! Labels as planes of an image.
+
+use super::{Flow, Hazards, Limits, shadow_change};
+use crate::render::planes::Radiometry;
+use crate::render::{Plane, Quantity, Samples, Scene, View};
+
+/// What an exposure's labels need besides itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Sequence<'a> {
+    pub previous: Option<&'a View>,
+    pub next: Option<&'a View>,
+    /// What the previous exposure sampled, where the change of shadows is asked for.
+    pub before: Option<&'a [Radiometry]>,
+    pub limits: &'a Limits,
+}
+
+/// The planes of `scene.quantities` that are labels. None of them costs anything unless it is asked for.
+pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Vec<Plane> {
+    use Quantity as Q;
+    let asked = |quantities: &[Q]| quantities.iter().any(|quantity| scene.quantities.contains(quantity));
+    let flow =
+        |wanted, other: Option<&View>| if wanted { Flow::to(scene, other, &samples.centres) } else { Flow::none() };
+    let next = flow(asked(&[Q::Flow, Q::Covisible]), sequence.next);
+    let previous = flow(asked(&[Q::FlowBack, Q::CovisibleBack]), sequence.previous);
+    let hazards = if asked(&[Q::HazardSlope, Q::HazardRoughness, Q::HazardSunlit, Q::Hazard]) {
+        Hazards::of(scene, view, &samples.centres, sequence.limits, asked(&[Q::HazardSunlit]))
+    } else {
+        Hazards::default()
+    };
+    let channels = |quantity: Q| match quantity {
+        Q::Flow => vec![next.x_px.clone(), next.y_px.clone()],
+        Q::Covisible => vec![next.covisible.clone()],
+        Q::FlowBack => vec![previous.x_px.clone(), previous.y_px.clone()],
+        Q::CovisibleBack => vec![previous.covisible.clone()],
+        Q::ShadowChange => vec![shadow_change(&samples.pixels, sequence.before)],
+        Q::HazardSlope => vec![hazards.slope_deg.clone()],
+        Q::HazardRoughness => vec![hazards.roughness_m.clone()],
+        Q::HazardSunlit => vec![hazards.sunlit_share.clone()],
+        Q::Hazard => vec![hazards.hazard.clone()],
+        _ => unreachable!("{quantity:?} is no label"),
+    };
+    let labels = scene.quantities.iter().copied().filter(|quantity| quantity.is_label());
+    labels
+        .flat_map(|quantity| {
+            let named = quantity.channels().iter().zip(channels(quantity));
+            named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
+        })
+        .collect()
+}
