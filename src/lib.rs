@@ -40,7 +40,7 @@
 //!
 //! ```text
 //! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
-//!          -> horizon -> shadow -> { render, illumination } -> labels -> { dataset, scenario } -> pipeline
+//!          -> horizon -> shadow -> { render, illumination } -> labels -> dataset -> scenario -> pipeline
 //!          -> evaluate -> compare -> main
 //! ```
 //!

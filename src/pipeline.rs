@@ -14,11 +14,15 @@ mod craters;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
+mod images;
+pub mod lights;
 pub mod motion;
+mod ortho;
 mod progress;
 mod record;
 pub mod scene;
 mod sequence;
+mod split;
 pub mod swath;
 
 use std::ops::Range;
@@ -36,11 +40,11 @@ use crate::dataset::{self, Writer};
 use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
-use crate::labels::{Crater, Rim, landmarks};
+use crate::labels::{Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{self, DeviceGround, Renderer, Scene, Shadows};
+use crate::render::{Bounce, DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
 use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
 
@@ -81,6 +85,19 @@ pub struct Report {
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
     pub device_seconds: Option<f64>,
+    pub stages: Stages,
+}
+
+/// How long the stages of the images took, in seconds: each on its own threads, beside the others.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Stages {
+    /// Rays, on the device or the host, and their way back to the host.
+    pub samples: f64,
+    /// Planes from them, maps and records.
+    pub planes: f64,
+    /// Compression and hashes.
+    pub encoding: f64,
+    pub writing: f64,
 }
 
 /// Where the time went.
@@ -98,6 +115,9 @@ pub struct Prepared {
     pub almanac: Almanac,
     pub frame: BodyFrame,
     pub ground: ground::Ground,
+    /// The scenario at each point of its sweep; one without a sweep.
+    pub points: Vec<Scenario>,
+    pub sweep: Option<scenario::Sweep>,
     pub exposures: Vec<Exposure>,
     pub shadows: auto::Choice,
     /// With their rims; empty where the scenario asks for no landmarks.
@@ -114,13 +134,23 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
     let craters = craters::of_lists(scenario, &mut ground, cache)?;
-    let exposures = motion::exposures(scenario, &almanac, &frame, &ground.surface, ground.centre)?;
+    let points = points(scenario);
+    for point in &points {
+        scene::reflectance(point)?;
+        scene::detector(point)?;
+    }
+    let exposures = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
     sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, exposures, shadows, craters })
+    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, shadows, craters })
+}
+
+/// The scenario at each point of its sweep.
+fn points(scenario: &Scenario) -> Vec<Scenario> {
+    (0..scenario.points()).map(|point| scenario.at_point(point)).collect()
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
@@ -142,11 +172,17 @@ fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error
 /// Files that shape the images besides elevation models and kernels, with their role.
 fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     let mut inputs = Vec::new();
-    if let Albedo::Map(path) = &scenario.albedo {
+    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
         inputs.push(("albedo", path.as_path()));
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
         inputs.push(("trajectory", path.as_path()));
+    }
+    let response = scenario.band.as_ref().and_then(|band| band.path.as_deref());
+    inputs.extend(response.map(|path| ("response", path)));
+    inputs.extend(scenario.sun.table.as_deref().map(|path| ("spectrum", path)));
+    if let scenario::Towards::Aem { path } = &scenario.pointing.towards {
+        inputs.push(("attitude", path.as_path()));
     }
     inputs
 }
@@ -161,7 +197,9 @@ pub fn scene(
     let Prepared { ground, exposures, shadows: choice, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
-        Albedo::Map(path) => Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?),
+        Albedo::Map(path) | Albedo::SingleScattering(path) => {
+            Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?)
+        }
     };
     let settings = horizon::Settings {
         azimuths: scenario.horizon.azimuths as usize,
@@ -202,13 +240,13 @@ pub fn scene(
             Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
         }
     };
-    let ambient = match &scenario.ambient {
-        None => None,
-        Some(Ambient { sky: Sky::Horizons, .. }) if shadows.maps().is_none() => {
-            scene::ambient(scenario, &ground.surface, &maps(settings)?)
-        }
-        Some(_) => scene::ambient(scenario, &ground.surface, shadows.maps().unwrap_or_default()),
-    };
+    let from_maps = matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })) || scenario.bounce.is_some();
+    let made = if from_maps && shadows.maps().is_none() { maps(settings)? } else { Vec::new() };
+    let horizons = shadows.maps().unwrap_or(&made[..]);
+    let ambient = scene::ambient(scenario, &ground.surface, horizons);
+    let bounce = scenario
+        .bounce
+        .map(|bounce| Bounce::new(&ground.surface, horizons, bounce.azimuths as usize, bounce.elevations as usize));
     ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
@@ -216,8 +254,11 @@ pub fn scene(
         refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,
         albedo,
+        albedo_role: scene::albedo_role(scenario),
         ambient,
+        bounce,
         disk: scene::disk(scenario)?,
+        band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
         optics: scene::optics(scenario)?,
         detector: scene::detector(scenario)?,
         samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,
@@ -241,7 +282,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     }
     seconds.terrain = lap(start);
     let start = Instant::now();
-    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let mut scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
 
     let mut passes = gpu.as_ref().map(Passes::new);
@@ -257,26 +298,14 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         animation: scenario.outputs.animation,
         overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
         white: record::white(scenario),
+        formats: scenario.outputs.formats.clone(),
     };
     let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings)?;
     let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
 
     let start = Instant::now();
-    let mut device = Duration::ZERO;
-    let mut labels = sequence::Labels::new(scenario);
     progress.begin("rendering", todo.len(), "exposures");
-    for (done, &index) in todo.iter().enumerate() {
-        let exposure = &prepared.exposures[index];
-        let samples = renderer.samples(&scene, &exposure.view)?;
-        let mut image = render::planes::image(&scene, &exposure.view, &samples);
-        device += renderer.device_time().unwrap_or_default();
-        image.planes.extend(labels.planes(&scene, renderer, &prepared.exposures, index, samples)?);
-        let facts = record::facts(scenario, &prepared, &scene, &run, index, &image);
-        let wanted = scenario.landmarks.as_ref();
-        let landmarks = wanted.map(|it| landmarks(&scene, &exposure.view, &prepared.craters, it.smallest_px));
-        writer.submit(dataset::Exposure { index, image, facts, landmarks })?;
-        progress.at(done + 1, todo.len());
-    }
+    let spent = images::render(&prepared, &mut scene, &run, renderer, &mut writer, &todo, progress)?;
     seconds.rendering = lap(start);
     let start = Instant::now();
     progress.begin("writing previews", 1, "sequence");
@@ -288,7 +317,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         exposures: summary.exposures,
         rendered: todo.len(),
         seconds,
-        device_seconds: (device > Duration::ZERO).then_some(device.as_secs_f64()),
+        device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
+        stages: Stages {
+            samples: spent.samples.as_secs_f64(),
+            planes: spent.planes.as_secs_f64(),
+            encoding: summary.spent.encoding.as_secs_f64(),
+            writing: summary.spent.writing.as_secs_f64(),
+        },
     })
 }
 
@@ -297,7 +332,7 @@ fn lap(start: Instant) -> f64 {
 }
 
 fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
-    let count = scenario.exposures.len();
+    let count = scenario.images();
     let range = options.exposures.clone().unwrap_or(0..count);
     if range.is_empty() || range.end > count {
         return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of one layer do not see each other.
-const LAYERS: [&[&str]; 12] = [
+const LAYERS: [&[&str]; 13] = [
     &["quantity", "digest"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
@@ -15,7 +15,8 @@ const LAYERS: [&[&str]; 12] = [
     &["shadow"],
     &["render", "illumination"],
     &["labels"],
-    &["dataset", "scenario"],
+    &["dataset"],
+    &["scenario"],
     &["pipeline"],
     &["evaluate"],
     &["compare"],

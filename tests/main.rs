@@ -6,5 +6,11 @@ mod compare;
 mod conformance;
 mod evaluate;
 mod invariants;
+mod readers;
 mod reference;
 mod scenes;
+
+/// Whether `SIM_REQUIRE`, names joined by commas, names what a test would otherwise do without.
+fn required(what: &str) -> bool {
+    std::env::var("SIM_REQUIRE").is_ok_and(|wanted| wanted.split(',').any(|name| name == what))
+}

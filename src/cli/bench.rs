@@ -6,14 +6,14 @@ use clap::Subcommand;
 use perilune::evaluate::illumination::percentages;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
 use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, frame, horizons, shadows, stability};
+use perilune::evaluate::{Report, dataset, frame, horizons, radiometry, shadows, stability};
 
 use super::Outcome;
 use super::bars::Bars;
 use super::common::Files;
 use super::run::exposures;
 
-/// Measure how fast and how right: horizons, images, shadows.
+/// Measure how fast and how right: horizons, images, shadows, light.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -41,6 +41,16 @@ enum Bench {
         #[command(flatten)]
         output: Output,
     },
+    /// How fast a dataset is made beside how fast its images are rendered, with the time of each stage.
+    Dataset {
+        #[command(flatten)]
+        scene: Scene,
+        /// Exposures A to B−1, counted from 0, written A..B [default: the first six]
+        #[arg(long, value_parser = exposures)]
+        frames: Option<std::ops::Range<usize>>,
+        #[command(flatten)]
+        output: Output,
+    },
     /// One exposure with every shadow method against traced shadows, under its own Sun or at several elevations.
     Shadows {
         #[command(flatten)]
@@ -63,6 +73,14 @@ enum Bench {
         /// A method to try, or `all`. Repeatable. [default: all but those that take minutes a frame]
         #[arg(long = "method", value_name = "NAME", value_parser = method)]
         methods: Vec<String>,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Light against published values: irradiance, limb, reflectance, disc integrals, eclipses.
+    Radiometry {
+        /// A folder with kernels in kernels/, before `SIM_DATA`: contacts of eclipses need one. Repeatable.
+        #[arg(long)]
+        data: Vec<PathBuf>,
         #[command(flatten)]
         output: Output,
     },
@@ -133,6 +151,10 @@ pub fn run(args: Args) -> Outcome {
             let options = frame::Options { exposures: frames, repeat, cache: scene.files.cache.clone() };
             (frame::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
         }
+        Bench::Dataset { scene, frames, output } => {
+            let options = dataset::Options { exposures: frames, cache: scene.files.cache.clone() };
+            (dataset::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
+        }
         Bench::Shadows { scene, exposure, size, elevations, repeat, quick, methods, output } => {
             let (pixels, elevations) = if quick { (256, Some(QUICK_DEG.to_vec())) } else { (size, elevations) };
             let options =
@@ -143,6 +165,10 @@ pub fn run(args: Args) -> Outcome {
                 Some(elevations_deg) => matrix::run(&scenario, &options, &elevations_deg, repeat, &bars)?,
             };
             (report, output)
+        }
+        Bench::Radiometry { mut data, output } => {
+            data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
+            (radiometry::run(&data)?, output)
         }
         Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
     };

@@ -52,7 +52,7 @@ pub fn run(args: Args) -> Outcome {
     if args.json {
         let messages: Vec<Json> = problems.iter().map(|message| json!({ "message": message })).collect();
         let report = json!({
-            "path": scenario.path, "exposures": scenario.exposures.len(),
+            "path": scenario.path, "exposures": scenario.images(),
             "over_terrain": checked.over_terrain, "problems": messages,
         });
         say(format_args!("{report:#}"))?;
@@ -62,7 +62,7 @@ pub fn run(args: Args) -> Outcome {
     }
     if !args.json {
         let unseen = if checked.over_terrain { "" } else { " (terrain not made yet: heights above it unchecked)" };
-        say(format_args!("{path}: {} exposures, no problems{unseen}", scenario.exposures.len()))?;
+        say(format_args!("{path}: {} exposures, no problems{unseen}", scenario.images()))?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use perilune::pipeline::{self, AdapterChoice, Options, Report};
+use perilune::pipeline::{self, AdapterChoice, Options, Report, Stages};
 
 use super::bars::Bars;
 use super::common::Files;
@@ -103,6 +103,10 @@ fn print(report: &Report) -> Outcome {
         seconds.rendering,
         seconds.rendering / (*rendered).max(1) as f64,
         seconds.writing_after
+    ))?;
+    let Stages { samples, planes, encoding, writing } = report.stages;
+    say(format_args!(
+        "beside each other: samples {samples:.1} s, planes {planes:.1} s, encoding {encoding:.1} s, writing {writing:.1} s"
     ))?;
     Ok(())
 }

@@ -53,6 +53,8 @@ fn of_file(
     let albedo = request.albedo.as_deref().map(map).transpose()?;
     let scene = Scene {
         ambient: None,
+        albedo_role: Default::default(),
+        bounce: None,
         shadows: horizons(&ground.surface, &request.cache, progress)?,
         refine: None,
         surface: ground.surface,
@@ -61,6 +63,7 @@ fn of_file(
         disk: main.disk.clone(),
         optics: geometry.camera.optics.clone(),
         detector: None,
+        band_width_nm: None,
         samples_per_side: 1,
         quantities: Vec::new(),
     };

@@ -239,7 +239,7 @@ fn albedo_map(request: &Request) -> Option<PathBuf> {
     let own = match &request.geometry {
         GeometrySource::Scenario { scenario, .. } => match &scenario.albedo {
             scenario::Albedo::Map(path) => Some(path.clone()),
-            scenario::Albedo::Constant(_) => None,
+            scenario::Albedo::Constant(_) | scenario::Albedo::SingleScattering(_) => None,
         },
         GeometrySource::File(_) => None,
     };

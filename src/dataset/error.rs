@@ -26,6 +26,10 @@ pub enum DatasetError {
     DecodeImage { path: PathBuf, source: image::ImageError },
     #[error("cannot encode {path} as TIFF: {source}")]
     EncodeTiff { path: PathBuf, source: tiff::TiffError },
+    #[error("cannot encode {path} as NPZ: {source}")]
+    EncodeNpz { path: PathBuf, source: zip::result::ZipError },
+    #[error(transparent)]
+    Raster(#[from] crate::raster::Error),
     #[error("cannot read {path} as TIFF: {source}")]
     DecodeTiff { path: PathBuf, source: tiff::TiffError },
     #[error("cannot read {path} as JSON: {source}")]

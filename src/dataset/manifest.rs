@@ -25,7 +25,7 @@ pub struct Run {
 /// A file that the run reads. Its folder is left out: the same file elsewhere makes the same bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Input {
-    /// `dem`, `horizon`, `kernel`, `albedo`, `trajectory`.
+    /// `dem`, `horizon`, `kernel`, `albedo`, `trajectory`, `attitude`.
     pub role: String,
     pub name: String,
     /// Of the file; of a horizon tile its key, the hash of all that shapes it.
@@ -66,6 +66,12 @@ pub struct PreviewScale {
 pub struct ManifestEntry {
     pub index: usize,
     pub epoch_utc: String,
+    /// Absent: the run has no sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<usize>,
+    /// `train`, `validation` or `test`; absent: the dataset is not split.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split: Option<String>,
     pub files: Vec<FileRecord>,
 }
 

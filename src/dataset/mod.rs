@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! exposure_0007.exr    planes, 32-bit floats, one channel each; units and the record in the header
-//! exposure_0007.tif    the same as pages of a TIFF, on request
+//! exposure_0007.tif    the same as pages of a TIFF, on request; other formats on request: [`Format`]
 //! exposure_0007.png    preview, 16 bits, linear; white is the same for the whole sequence
 //! exposure_0007.landmarks.json   craters as ellipses and conics, on request ([`crate::labels`])
 //! exposure_0007.landmarks.png    the preview with the ellipses drawn over it, on request
 //! exposure_0007.json   record: epoch, poses, Sun, inputs, hashes of the files above
+//! dataset_card.md      what the dataset is, how it was made, inputs and licences, conventions, limits
 //! manifest.json        versions, inputs, settings, exposures with their hashes
 //! poses.csv            camera and Sun, one line an exposure
 //! contact_sheet.png    all previews, 8 bits, gamma 2.2, each with its index
@@ -20,29 +21,36 @@
 
 mod animation;
 pub mod atomic;
+mod card;
+mod coco;
 mod contact_sheet;
 mod error;
 mod exr_file;
+mod fits_file;
+mod format;
 mod inspect;
 mod landmarks;
 mod manifest;
+mod npz_file;
 mod png_file;
 mod poses;
-
 mod preview;
 mod record;
+mod sequences;
 mod tiff_file;
 mod writer;
 
 pub use atomic::{check_writable, write as write_whole};
 pub use error::DatasetError;
 pub use exr_file::{ExrFile, read_exr, write_exr};
+pub use format::Format;
 pub use inspect::inspect;
 pub use landmarks::LandmarkFile;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{
     BodyRecord, CameraRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord, PoseRecord, PreviewRecord,
-    QualityRecord, RadiometryRecord, Record, SensorRecord, SoftwareRecord, Statistics, SunRecord,
+    QualityRecord, RadiometryRecord, Record, SensorRecord, SoftwareRecord, SplitRecord, Statistics, SunRecord,
+    SweepRecord,
 };
-pub use writer::{Exposure, Settings, Summary, Writer};
+pub use writer::{Exposure, Orthoimage, Settings, Summary, Writer};

@@ -8,7 +8,7 @@
 //! must not show invented ground as if it were seen.
 
 use super::manifest::PreviewScale;
-use super::record::Record;
+use super::record::{PlaneRecord, Record};
 use crate::render::Quantity;
 
 /// The planes that are worth looking at, the best first.
@@ -32,11 +32,15 @@ pub enum White {
     Radiance(f64),
 }
 
+/// The plane that previews show.
+pub fn shown(planes: &[PlaneRecord]) -> Option<&PlaneRecord> {
+    let preferred = PREFERRED.iter().find_map(|quantity| planes.iter().find(|plane| plane.quantity == *quantity));
+    preferred.or(planes.first())
+}
+
 /// The scale for a sequence; `None` where there is nothing to show.
 pub fn scale(records: &[Record], white: White) -> Option<PreviewScale> {
-    let planes = &records.first()?.planes;
-    let preferred = PREFERRED.iter().find_map(|quantity| planes.iter().find(|plane| plane.quantity == *quantity));
-    let chosen = preferred.or(planes.first())?;
+    let chosen = shown(&records.first()?.planes)?;
     let quantiles = records.iter().flat_map(|record| &record.planes).filter(|plane| plane.channel == chosen.channel);
     let brightest = quantiles.filter_map(|plane| plane.statistics.quantile_995).fold(0.0_f32, f32::max);
     let white = match white {

@@ -1,5 +1,7 @@
 //! The record of an exposure: all that is needed to use its planes without the program.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::render::{Image, Quantity};
@@ -26,6 +28,12 @@ pub struct Record {
 pub struct Facts {
     /// `lunar_descent/0007`.
     pub frame_id: String,
+    /// Absent: the run has no sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepRecord>,
+    /// Absent: the dataset is not split.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split: Option<SplitRecord>,
     pub epoch: EpochRecord,
     pub body: BodyRecord,
     pub camera: CameraRecord,
@@ -36,6 +44,25 @@ pub struct Facts {
     pub inputs: InputRecords,
     pub software: SoftwareRecord,
     pub quality: QualityRecord,
+}
+
+/// The point of a sweep that an exposure belongs to.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SweepRecord {
+    pub point: usize,
+    /// What varies, by its key of the scenario.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// The part of a dataset that an exposure belongs to.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SplitRecord {
+    /// `train`, `validation` or `test`.
+    pub part: String,
+    /// Row (from the south pole) and column (eastwards from longitude 0) of the ground cell under the boresight.
+    pub cell: [u64; 2],
+    /// Diameter of what the image shows, at the boresight's ground.
+    pub shown_m: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -93,6 +120,8 @@ impl CameraRecord {
 pub struct PoseRecord {
     /// Camera from the body's centre, body-fixed.
     pub r_body_fixed_m: [f64; 3],
+    /// Velocity against the turning body.
+    pub v_body_fixed_m_s: [f64; 3],
     /// Scalar first, Hamilton's; turns body-fixed components into camera components.
     pub q_wxyz: [f64; 4],
     pub q_direction: String,
@@ -106,6 +135,7 @@ impl Default for PoseRecord {
     fn default() -> Self {
         Self {
             r_body_fixed_m: [0.0; 3],
+            v_body_fixed_m_s: [0.0; 3],
             q_wxyz: [1.0, 0.0, 0.0, 0.0],
             q_direction: "camera_from_body".into(),
             latitude_deg: 0.0,
@@ -127,17 +157,27 @@ pub struct SunRecord {
     pub elevation_deg: Option<f64>,
     /// `uniform`, or the law and its wavelength.
     pub limb_darkening: String,
+    /// Share of the Sun's light that the Earth leaves; absent where that was not asked.
+    pub eclipse_share: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RadiometryRecord {
     /// Of the plane `radiance`.
     pub unit: String,
+    /// The table that the irradiance comes from.
+    pub spectrum: String,
     pub irradiance_1au_w_m2: f64,
-    /// At the Sun's distance.
+    /// At the Sun's distance; what an eclipse leaves of it.
     pub irradiance_w_m2: f64,
     /// Absent: the whole spectrum.
     pub band_nm: Option<[f64; 2]>,
+    /// Absent: the same between the ends of the band, or the whole spectrum.
+    pub response: Option<String>,
+    /// The response's integral: radiance over it is radiance per nanometre.
+    pub band_width_nm: Option<f64>,
+    /// Mean of the sunlight in the band, weighted by energy; photons are counted at it.
+    pub mean_wavelength_nm: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

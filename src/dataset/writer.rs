@@ -1,38 +1,45 @@
 //! Writes a sequence, beside the rendering, and finishes one that was interrupted.
 
-use std::fs;
+mod desk;
+
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::{Value as Json, json};
 
 use super::animation;
-use super::atomic::{self, PARTIAL};
+use super::atomic;
+use super::card::Card;
 use super::contact_sheet;
 use super::error::DatasetError;
-use super::exr_file;
-use super::landmarks::{self, LandmarkFile};
+use super::format::Format;
 use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
 use super::png_file;
 use super::poses;
-use super::preview::{self, Thumbnail, White};
-use super::record::{self, Facts, FileRecord, PreviewRecord, Record, SCHEMA_VERSION};
-use super::tiff_file;
+use super::preview::{self, White};
+use super::record::{Facts, FileRecord, Record, SCHEMA_VERSION};
+use super::{coco, sequences};
 use crate::labels::Landmark;
-use crate::render::{Image, Quantity};
+use crate::render::Image;
+use desk::{Desk, Dn, Kept};
 
 /// Images that wait to be written; each may take some hundred megabytes.
 const QUEUE: usize = 2;
+/// Each holds an image too.
+const MOST_THREADS: usize = 4;
 const MANIFEST: &str = "manifest.json";
 const POSES: &str = "poses.csv";
+const CARD: &str = "dataset_card.md";
 const SHEET: &str = "contact_sheet.png";
 const ANIMATION: &str = "preview.gif";
 const LANDMARKS: &str = "landmarks.json";
 const OVERLAY: &str = "landmarks.png";
-const SEQUENCE_FILES: [&str; 4] = [MANIFEST, POSES, SHEET, ANIMATION];
+const SEQUENCE_FILES: [&str; 7] = [MANIFEST, POSES, CARD, SHEET, ANIMATION, coco::FILE, coco::CSV_FILE];
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
 /// More exposures than this are shown by an even choice.
@@ -46,16 +53,29 @@ pub struct Exposure {
     pub facts: Facts,
     /// `None`: none are asked for.
     pub landmarks: Option<Vec<Landmark>>,
+    /// The same planes on a map, where they are asked for and the image shows ground.
+    pub orthoimage: Option<Orthoimage>,
+}
+
+/// Planes on a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orthoimage {
+    /// WKT or a PROJ string.
+    pub crs: String,
+    /// GDAL's affine map, from the first pixel's corner.
+    pub geotransform: [f64; 6],
+    pub image: Image,
 }
 
 /// What is written besides OpenEXR, previews and records.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     pub tiff: bool,
     pub animation: bool,
     /// Previews with the landmarks drawn over them.
     pub overlay: bool,
     pub white: White,
+    pub formats: Vec<Format>,
 }
 
 /// What a finished sequence holds.
@@ -65,6 +85,8 @@ pub struct Summary {
     /// Finished exposures, those of earlier runs among them.
     pub exposures: usize,
     pub preview: Option<PreviewScale>,
+    /// Of this run's exposures.
+    pub spent: Spent,
 }
 
 /// Writes one sequence into one directory.
@@ -75,19 +97,36 @@ pub struct Writer {
     planned: usize,
     settings: Settings,
     sender: Option<SyncSender<Exposure>>,
-    thread: Option<JoinHandle<Result<(), DatasetError>>>,
+    threads: Vec<JoinHandle<Result<Spent, DatasetError>>>,
+    /// Set by a thread that ends with an error.
+    failed: Arc<AtomicBool>,
+    spent: Spent,
+}
+
+/// How long the threads have worked.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spent {
+    /// Compression and hashes.
+    pub encoding: Duration,
+    pub writing: Duration,
 }
 
 impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
         atomic::check_writable(directory)?;
-        let desk = Desk { directory: directory.to_path_buf(), key: run.key(), settings };
+        let (directory, settings_of_desk) = (directory.to_path_buf(), settings.clone());
+        let desk = Desk { directory, key: run.key(), settings: settings_of_desk, kept: Kept::default() };
         desk.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
-        let background = desk.clone();
-        let thread = std::thread::spawn(move || background.write_all(receiver));
-        Ok(Self { desk, run, planned, settings, sender: Some(sender), thread: Some(thread) })
+        let receiver = Arc::new(Mutex::new(receiver));
+        let failed = Arc::new(AtomicBool::new(false));
+        let thread = |_| {
+            let (desk, receiver, failed) = (desk.clone(), receiver.clone(), failed.clone());
+            std::thread::spawn(move || write_all(&desk, &receiver, &failed))
+        };
+        let threads = (0..threads()).map(thread).collect();
+        Ok(Self { desk, run, planned, settings, sender: Some(sender), threads, failed, spent: Spent::default() })
     }
 
     /// Whether an exposure of this very run is finished and whole.
@@ -97,7 +136,8 @@ impl Writer {
 
     /// Hands an exposure over; waits while the writing is behind.
     pub fn submit(&mut self, exposure: Exposure) -> Result<(), DatasetError> {
-        let sent = self.sender.as_ref().is_some_and(|sender| sender.send(exposure).is_ok());
+        let works = !self.failed.load(Ordering::Relaxed);
+        let sent = works && self.sender.as_ref().is_some_and(|sender| sender.send(exposure).is_ok());
         if sent { Ok(()) } else { Err(self.join().err().unwrap_or_else(|| self.ended())) }
     }
 
@@ -109,6 +149,11 @@ impl Writer {
         let plain: Vec<Record> = records.iter().map(|(_, record)| record.clone()).collect();
         let scale = preview::scale(&plain, self.settings.white);
         let mut files = vec![self.desk.write(POSES, poses::csv(&plain).as_bytes())?];
+        let facts: Vec<&Facts> = plain.iter().map(|record| &record.facts).collect();
+        for (name, text) in sequences::files(&self.settings.formats, &self.run.name, &facts) {
+            files.push(self.desk.write(&name, text.as_bytes())?);
+        }
+        files.extend(self.annotations(&records)?);
         if let Some(scale) = &scale {
             let thumbnails: Vec<(usize, Dn)> = records
                 .par_iter_mut()
@@ -116,8 +161,44 @@ impl Writer {
                 .collect::<Result<_, DatasetError>>()?;
             files.extend(self.overviews(&thumbnails, scale)?);
         }
+        let card = Card {
+            run: &self.run,
+            records: &plain,
+            planned: self.planned,
+            preview: scale.as_ref(),
+            formats: &self.settings.formats,
+            tiff: self.settings.tiff,
+        };
+        files.push(self.desk.write(CARD, card.text().as_bytes())?);
         self.manifest(&records, scale.clone(), files)?;
-        Ok(Summary { directory: self.desk.directory.clone(), exposures: records.len(), preview: scale })
+        Ok(Summary {
+            directory: self.desk.directory.clone(),
+            exposures: records.len(),
+            preview: scale,
+            spent: self.spent,
+        })
+    }
+
+    /// The landmarks of all exposures in the formats asked for.
+    fn annotations(&self, records: &[(usize, Record)]) -> Result<Vec<FileRecord>, DatasetError> {
+        let formats = &self.settings.formats;
+        if ![Format::Coco, Format::CraterChallenge].iter().any(|format| formats.contains(format)) {
+            return Ok(Vec::new());
+        }
+        let mut images = Vec::new();
+        for (index, _) in records {
+            if let Some(file) = self.desk.landmarks(*index)? {
+                images.push((*index, self.desk.name(*index, "png"), file));
+            }
+        }
+        let mut files = Vec::new();
+        if formats.contains(&Format::Coco) {
+            files.push(self.desk.write(coco::FILE, &pretty(&coco::annotations(&self.run.title, &images)))?);
+        }
+        if formats.contains(&Format::CraterChallenge) {
+            files.push(self.desk.write(coco::CSV_FILE, coco::challenge_csv(&images).as_bytes())?);
+        }
+        Ok(files)
     }
 
     fn overviews(&self, previews: &[(usize, Dn)], scale: &PreviewScale) -> Result<Vec<FileRecord>, DatasetError> {
@@ -148,6 +229,8 @@ impl Writer {
             ManifestEntry {
                 index: *index,
                 epoch_utc: record.facts.epoch.utc.clone(),
+                point: record.facts.sweep.as_ref().map(|sweep| sweep.point),
+                split: record.facts.split.as_ref().map(|split| split.part.clone()),
                 files: record.files.iter().cloned().chain(preview).chain([json]).collect(),
             }
         };
@@ -163,14 +246,16 @@ impl Writer {
         self.desk.write(MANIFEST, &pretty(&manifest)).map(|_| ())
     }
 
-    /// Lets the thread end and asks how it went; a second call has nothing to tell.
+    /// Lets the threads end and asks how it went; a second call has nothing to tell.
     fn join(&mut self) -> Result<(), DatasetError> {
         self.sender = None;
-        match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(outcome)) => outcome,
-            Some(Err(_)) => Err(self.ended()),
-            None => Ok(()),
+        let outcomes: Vec<_> = self.threads.drain(..).map(JoinHandle::join).collect();
+        for outcome in outcomes {
+            let Spent { encoding, writing } = outcome.map_err(|_| self.ended())??;
+            self.spent.encoding += encoding;
+            self.spent.writing += writing;
         }
+        Ok(())
     }
 
     fn ended(&self) -> DatasetError {
@@ -178,184 +263,21 @@ impl Writer {
     }
 }
 
-/// A preview reduced for the overviews.
-struct Dn {
-    frame: Thumbnail,
-    sheet: Thumbnail,
+/// Half of the machine's cores, which others need too.
+fn threads() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    (cores / 2).clamp(1, MOST_THREADS)
 }
 
-/// Names, reads and writes the files of exposures.
-#[derive(Debug, Clone)]
-struct Desk {
-    directory: PathBuf,
-    key: String,
-    settings: Settings,
-}
-
-impl Desk {
-    fn name(&self, index: usize, extension: &str) -> String {
-        format!("exposure_{index:04}.{extension}")
+/// Writes what comes until the end, or until some thread has failed.
+fn write_all(desk: &Desk, exposures: &Mutex<Receiver<Exposure>>, failed: &AtomicBool) -> Result<Spent, DatasetError> {
+    let mut spent = Spent::default();
+    while !failed.load(Ordering::Relaxed) {
+        let next = exposures.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let Ok(exposure) = next else { break };
+        desk.write_exposure(exposure, &mut spent).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
     }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.directory.join(name)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<FileRecord, DatasetError> {
-        atomic::write(&self.path(name), bytes)?;
-        Ok(FileRecord::of(name, bytes))
-    }
-
-    fn write_all(&self, exposures: Receiver<Exposure>) -> Result<(), DatasetError> {
-        exposures.into_iter().try_for_each(|exposure| self.write_exposure(exposure))
-    }
-
-    /// The record last: it says that the exposure is finished.
-    fn write_exposure(&self, exposure: Exposure) -> Result<(), DatasetError> {
-        let Exposure { index, image, facts, landmarks } = exposure;
-        check(index, &image)?;
-        let planes = record::planes(&image);
-        let record_path = self.path(&self.name(index, "json"));
-        let _ = fs::remove_file(&record_path);
-        let units: Vec<_> =
-            planes.iter().map(|plane| json!({ "channel": plane.channel, "unit": plane.unit })).collect();
-        let header = json!({ "schema_version": SCHEMA_VERSION, "run_key": self.key, "planes": units, "facts": facts });
-        let name = self.name(index, "exr");
-        let mut files = vec![self.write(&name, &exr_file::encode(&self.path(&name), &image, &header)?)?];
-        if self.settings.tiff {
-            let name = self.name(index, "tif");
-            files.push(self.write(&name, &tiff_file::encode(&self.path(&name), &image)?)?);
-        }
-        if let Some(landmarks) = landmarks {
-            let file = LandmarkFile {
-                schema_version: SCHEMA_VERSION.into(),
-                frame_id: facts.frame_id.clone(),
-                columns: image.columns,
-                rows: image.rows,
-                conventions: landmarks::CONVENTIONS.into(),
-                landmarks,
-            };
-            files.push(self.write(&self.name(index, LANDMARKS), &pretty(&file))?);
-        }
-        let record = Record {
-            schema_version: SCHEMA_VERSION.into(),
-            run_key: self.key.clone(),
-            facts,
-            planes,
-            preview: None,
-            files,
-        };
-        self.write(&self.name(index, "json"), &pretty(&record)).map(|_| ())
-    }
-
-    /// The record of an exposure that this run has finished.
-    fn finished(&self, index: usize) -> Option<Record> {
-        let record = read_record(&self.path(&self.name(index, "json"))).ok()?;
-        (record.run_key == self.key).then_some(record)
-    }
-
-    fn is_whole(&self, file: &FileRecord) -> bool {
-        atomic::read(&self.path(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
-    }
-
-    /// Writes the preview of an exposure from its planes on disk, and the record that names it.
-    fn preview(&self, index: usize, record: &mut Record, scale: &PreviewScale) -> Result<Dn, DatasetError> {
-        let file = exr_file::read_exr(&self.path(&self.name(index, "exr")))?;
-        let channel = |name: &str| file.channels.iter().find(|(found, _)| found == name).map(|(_, values)| values);
-        let nothing = Vec::new();
-        let values = channel(&scale.channel).unwrap_or(&nothing);
-        let gaps = channel(Quantity::DemGap.channels()[0]).map(Vec::as_slice);
-        let dn = preview::digital_numbers(values, gaps, file.columns, scale.white);
-        let name = self.name(index, "png");
-        let size = [file.columns, file.rows];
-        let bytes = png_file::encode_16(&self.path(&name), size, &dn, &preview::comment(scale))?;
-        let written = self.write(&name, &bytes)?;
-        self.overlay(index, record, &dn, size)?;
-        record.preview = Some(PreviewRecord {
-            file: written,
-            channel: scale.channel.clone(),
-            white: scale.white,
-            unit: scale.unit.clone(),
-            encoding: "16 bits, linear: DN = 65535 value / white".into(),
-        });
-        self.write(&self.name(index, "json"), &pretty(record))?;
-        let reduced = |largest| Thumbnail::of(&dn, file.columns, largest);
-        Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
-    }
-
-    /// Writes the preview with the landmarks of an exposure, where both are asked for.
-    fn overlay(&self, index: usize, record: &mut Record, dn: &[u16], size: [usize; 2]) -> Result<(), DatasetError> {
-        let path = self.path(&self.name(index, LANDMARKS));
-        if !(self.settings.overlay && path.is_file()) {
-            return Ok(());
-        }
-        let file: LandmarkFile =
-            serde_json::from_slice(&atomic::read(&path)?).map_err(|source| DatasetError::Json { path, source })?;
-        let rgb = landmarks::overlay(dn, size[0], &file.landmarks);
-        let name = self.name(index, OVERLAY);
-        let comment = "landmarks: lit green, in shadow amber, occluded red";
-        let written = self.write(&name, &png_file::encode_rgb_8(&self.path(&name), size, &rgb, comment)?)?;
-        record.files.retain(|file| file.name != name);
-        record.files.push(written);
-        Ok(())
-    }
-
-    /// Removes half-written files and those of other runs.
-    fn remove_stale(&self) -> Result<(), DatasetError> {
-        let error = |source| DatasetError::Read { path: self.directory.clone(), source };
-        for entry in fs::read_dir(&self.directory).map_err(error)? {
-            let name = entry.map_err(error)?.file_name().to_string_lossy().into_owned();
-            if self.is_stale(&name) {
-                // A file that will not go away is met again when it is written.
-                let _ = fs::remove_file(self.path(&name));
-            }
-        }
-        Ok(())
-    }
-
-    /// Half-written, or made by another run. Files of other programs are not ours to remove.
-    fn is_stale(&self, name: &str) -> bool {
-        let whole = name.strip_suffix(PARTIAL).unwrap_or(name);
-        let exposure = whole.strip_prefix("exposure_").and_then(|rest| rest.split_once('.'));
-        let belongs = match exposure {
-            Some((index, _)) if index.bytes().all(|byte| byte.is_ascii_digit()) => {
-                self.belongs(&format!("exposure_{index}.json"))
-            }
-            _ if SEQUENCE_FILES.contains(&whole) => self.belongs(MANIFEST),
-            _ => return false,
-        };
-        whole != name || !belongs
-    }
-
-    /// Whether a record or manifest was written by this run.
-    fn belongs(&self, name: &str) -> bool {
-        let found = atomic::read(&self.path(name)).ok().and_then(|bytes| serde_json::from_slice::<Json>(&bytes).ok());
-        found.is_some_and(|found| found["run_key"] == self.key.as_str())
-    }
-}
-
-impl FileRecord {
-    fn of(name: &str, bytes: &[u8]) -> Self {
-        Self { name: name.into(), sha256: crate::digest::sha256_hex(bytes), bytes: bytes.len() }
-    }
-}
-
-fn read_record(path: &Path) -> Result<Record, DatasetError> {
-    let bytes = atomic::read(path)?;
-    serde_json::from_slice(&bytes).map_err(|source| DatasetError::Json { path: path.to_path_buf(), source })
-}
-
-fn check(index: usize, image: &Image) -> Result<(), DatasetError> {
-    let (columns, rows) = (image.columns, image.rows);
-    if image.planes.is_empty() {
-        return Err(DatasetError::NoPlanes { index });
-    }
-    match image.planes.iter().find(|plane| plane.values.len() != columns * rows) {
-        Some(plane) => {
-            Err(DatasetError::PlaneSize { index, channel: plane.name, got: plane.values.len(), columns, rows })
-        }
-        None => Ok(()),
-    }
+    Ok(spent)
 }
 
 /// JSON that people can read, with a last line that ends.

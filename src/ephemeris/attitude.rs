@@ -169,7 +169,8 @@ impl AttitudeTable {
         (at(self.offsets_s[0]), at(self.offsets_s[self.offsets_s.len() - 1]))
     }
 
-    fn at(&self, epoch: Epoch) -> Result<Rotation<Camera, BodyFixed>, AttitudeError> {
+    /// The attitude at an epoch within the span.
+    pub(super) fn at(&self, epoch: Epoch) -> Result<Rotation<Camera, BodyFixed>, AttitudeError> {
         let (from, until) = self.span();
         if epoch < from || epoch > until {
             let [epoch_utc, from_utc, until_utc] = [epoch, from, until].map(utc_text);

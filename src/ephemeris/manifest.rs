@@ -17,6 +17,9 @@ pub struct KnownFile {
     pub what: String,
     /// Agency, product and address.
     pub source: String,
+    /// Terms of use, for those who pass on what is made from the file.
+    #[serde(default)]
+    pub licence: Option<String>,
     /// Missing where the file was not at hand.
     #[serde(default)]
     pub sha256: Option<String>,

@@ -4,7 +4,9 @@
 //! kilometres: kernels state them. What leaves the module is in metres, radians and seconds, with frames in the types.
 //! An `Epoch` is an instant whatever its scale; kernels are asked in TDB, text is UTC unless it says otherwise.
 
+pub mod aem;
 pub mod attitude;
+pub mod ccsds;
 pub mod trajectory;
 
 mod almanac;

@@ -6,6 +6,9 @@
 
 use super::EphemerisError;
 
+/// One frame to CCSDS messages, as in SPICE (EME2000 is 0.02″ off).
+pub(super) const INERTIAL_FRAMES: [&str; 3] = ["ICRF", "EME2000", "J2000"];
+
 pub const SUN: i32 = 10;
 pub const EARTH: i32 = 399;
 pub const MOON: i32 = 301;

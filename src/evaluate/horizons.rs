@@ -221,15 +221,15 @@ fn measure(scene: &Scene, options: &Options, tables: &mut Tables, progress: &dyn
     let settings = Settings { azimuths: options.azimuths, ..Settings::default() };
     let (runs, azimuths) = options.clock();
     progress.begin(&format!("speed on {}", scene.name), 1, "scene");
-    tables.speed.rows.extend(speed::rows(scene, &settings, runs, azimuths));
+    tables.speed.rows.extend(speed::rows(scene, &settings, runs, azimuths)?);
 
     progress.begin(&format!("tracing {}", scene.name), 1, "scene");
     let pixels = Sample::of(&scene.face.levels[0], options.pixels, options.azimuths).pixels;
     let truth = traced(scene, &settings, &pixels);
     let exact = Settings { method: Method::Exact, ..settings };
     let mut trials = vec![
-        ("swept".to_owned(), searched(scene, &settings, &pixels)),
-        ("exact".to_owned(), searched(scene, &exact, &pixels)),
+        ("swept".to_owned(), searched(scene, &settings, &pixels)?),
+        ("exact".to_owned(), searched(scene, &exact, &pixels)?),
     ];
     tables.certificates.rows.push(certificates::row(scene, &exact, &pixels, &truth));
     for encoding in tiles::ENCODINGS {

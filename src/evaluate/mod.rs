@@ -4,6 +4,7 @@
 //! horizons, which are exact on the bilinear surface. A benchmark gives a [`Report`]: tables, plots and images
 //! with a description of the machine, written as JSON, CSV and one HTML page.
 
+pub mod dataset;
 pub mod error;
 pub mod frame;
 pub mod horizons;
@@ -11,6 +12,7 @@ pub mod illumination;
 pub mod images;
 pub mod machine;
 pub mod plot;
+pub mod radiometry;
 pub mod report;
 pub mod scenes;
 pub mod shadows;

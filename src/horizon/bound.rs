@@ -182,13 +182,13 @@ fn largest_errors_rad(request: &Request, shelf: &Shelf, together: usize, probed:
     let ends = |major: Major| settings.band.map(|band| Ends::of(&band, &face.map, request.nodes(), major));
     let row_ends = ends(Major::Row);
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(face, *level, major, settings);
+        let search = Search::new(face, *level, major, settings)?;
         let plane_ends = ends(major);
         let along = |azimuth: &&usize| Major::of(settings.direction(**azimuth)) == major;
         let azimuths: Vec<usize> = probed.iter().filter(along).copied().collect();
         for block in azimuths.chunks(together) {
             let plane = |&azimuth: &usize| super::build::plane(&search, plane_ends.as_ref(), settings, azimuth);
-            let planes: Vec<_> = block.par_iter().map(plane).collect();
+            let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
             let directions: Vec<_> = block.iter().map(|azimuth| settings.direction(*azimuth)).collect();
             for strip in shelf.strips() {
                 let strip = strip?;

@@ -139,11 +139,11 @@ impl<'a> Builder<'a> {
             // One orientation of the heights at a time.
             self.search = None;
             let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[*level], major));
-            self.search = Some((major, Search::new(face, *level, major, settings), ends));
+            self.search = Some((major, Search::new(face, *level, major, settings)?, ends));
         }
         let Some((_, search, ends)) = &self.search else { return Ok(()) };
         let plane = |&azimuth: &usize| plane(search, ends.as_ref(), settings, azimuth);
-        let planes: Vec<_> = block.par_iter().map(plane).collect();
+        let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
         planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
         self.state.done += block.len();
         if self.state.sums.in_memory() {
@@ -181,9 +181,9 @@ impl<'a> Builder<'a> {
 }
 
 /// The plane of an azimuth, moved into the band that matters.
-pub(super) fn plane(search: &Search, ends: Option<&Ends>, settings: &Settings, azimuth: usize) -> Plane {
-    let elevations_rad = search.elevations_rad(settings.direction(azimuth));
+pub(super) fn plane(search: &Search, ends: Option<&Ends>, settings: &Settings, azimuth: usize) -> Result<Plane, Error> {
+    let elevations_rad = search.elevations_rad(settings.direction(azimuth))?;
     let mut plane = Plane { azimuth, stride: search.receivers().stride, elevations_rad };
     ends.iter().for_each(|ends| ends.clamp(&mut plane));
-    plane
+    Ok(plane)
 }

@@ -36,6 +36,8 @@ pub enum Error {
     OtherKey { path: PathBuf, got: String, expected: String },
     #[error("{path}: page {page} is {got:?}, the header says {expected:?} texels")]
     Page { path: PathBuf, page: usize, got: (u32, u32), expected: (u32, u32) },
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::GpuError),
 }
 
 impl Error {

@@ -22,6 +22,7 @@ pub mod error;
 pub mod exact;
 pub mod fit;
 pub mod georeference;
+pub mod gpu;
 pub mod inspect;
 pub mod measure;
 pub mod memory;

@@ -18,7 +18,7 @@ use crate::horizon::fit::Plane;
 use crate::horizon::method::Search;
 use crate::horizon::settings::direction;
 use crate::horizon::sweep::grid::Major;
-use crate::horizon::{HorizonMap, Settings};
+use crate::horizon::{Error, HorizonMap, Settings};
 use crate::terrain::Face;
 
 /// Resolution of a swept sample.
@@ -57,28 +57,27 @@ impl Swept {
         settings: &Settings,
         held: Vec<usize>,
         progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> Self {
+    ) -> Result<Self, Error> {
         let (blocks, azimuths) = (Blocks::of(&face.levels[level]), settings.azimuths);
         let mut swept = Self { azimuths, samples: vec![0; held.len() * azimuths * LANES], held };
         let mut done = 0;
         for major in [Major::Row, Major::Column] {
             let along: Vec<usize> =
                 (0..azimuths).filter(|index| Major::of(settings.direction(*index)) == major).collect();
-            let search = Search::new(face, level, major, settings);
+            let search = Search::new(face, level, major, settings)?;
             // As many planes at a time as there are threads to sweep them.
             for azimuths in along.chunks(rayon::current_num_threads()) {
-                let plane = |&azimuth: &usize| Plane {
-                    azimuth,
-                    stride: search.receivers().stride,
-                    elevations_rad: search.elevations_rad(settings.direction(azimuth)),
+                let plane = |&azimuth: &usize| {
+                    let elevations_rad = search.elevations_rad(settings.direction(azimuth))?;
+                    Ok(Plane { azimuth, stride: search.receivers().stride, elevations_rad })
                 };
-                let planes: Vec<Plane> = azimuths.par_iter().map(plane).collect();
+                let planes = azimuths.par_iter().map(plane).collect::<Result<Vec<Plane>, Error>>()?;
                 swept.keep(&blocks, &planes, major);
                 done += azimuths.len();
                 progress(done, swept.azimuths);
             }
         }
-        swept
+        Ok(swept)
     }
 
     fn keep(&mut self, blocks: &Blocks, planes: &[Plane], major: Major) {

@@ -1,8 +1,9 @@
 //! Labels as planes of an image.
 
-use super::{Flow, Hazards, Limits, shadow_change};
+use super::{Flow, Hazards, Limits, invented_height_m, shadow_change};
 use crate::render::planes::Radiometry;
 use crate::render::{Plane, Quantity, Samples, Scene, View};
+use crate::terrain::Hit;
 
 /// What an exposure's labels need besides itself.
 #[derive(Debug, Clone, Copy)]
@@ -12,6 +13,8 @@ pub struct Sequence<'a> {
     /// What the previous exposure sampled, where the change of shadows is asked for.
     pub before: Option<&'a [Radiometry]>,
     pub limits: &'a Limits,
+    /// How many of the finest levels are made up.
+    pub invented_levels: usize,
 }
 
 /// The planes of `scene.quantities` that are labels. None of them costs anything unless it is asked for.
@@ -37,6 +40,10 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
         Q::HazardRoughness => vec![hazards.roughness_m.clone()],
         Q::HazardSunlit => vec![hazards.sunlit_share.clone()],
         Q::Hazard => vec![hazards.hazard.clone()],
+        Q::InventedHeight => {
+            let height_m = |hit: &Hit| invented_height_m(&scene.surface, sequence.invented_levels, hit);
+            vec![samples.centres.iter().map(|hit| hit.as_ref().map_or(f64::NAN, height_m) as f32).collect()]
+        }
         _ => unreachable!("{quantity:?} is no label"),
     };
     let labels = scene.quantities.iter().copied().filter(|quantity| quantity.is_label());

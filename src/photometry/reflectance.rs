@@ -33,8 +33,9 @@
 //! Minnaert (1941), ApJ 93, 403; Shkuratov et al. (2011), PSS 59, 1326, doi:10.1016/j.pss.2011.06.011, for Akimov's law
 //! with and without its parameter.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::quadrature::{gauss_legendre, integrate};
 use super::{Hapke, MultipleScattering, PhotometryError};
 
 /// A law of reflection.
@@ -109,6 +110,10 @@ impl Reflectance {
             Self::Minnaert { exponent, .. } if !(0.5..=1.5).contains(&exponent) => {
                 Err(outside("exponent", exponent, "[0.5, 1.5]"))
             }
+            // So does this one: 2.7 times for a smoothness of 0.
+            Self::Akimov { normal_albedo, .. } if normal_albedo > 0.37 => {
+                Err(outside("normal_albedo", normal_albedo, "[0, 0.37]"))
+            }
             Self::Akimov { smoothness, .. } if !(0.0..=2.0).contains(&smoothness) => {
                 Err(outside("smoothness", smoothness, "[0, 2]"))
             }
@@ -139,6 +144,19 @@ impl Reflectance {
     /// `π L` over the irradiance of a plane that faces the Sun: the I/F of spacecraft images.
     pub fn radiance_factor(&self, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
         PI * incidence_cosine.max(0.0) * self.brdf_sr(incidence_cosine, emission_cosine, phase_cosine)
+    }
+
+    /// `π L` of a sphere's whole disc over the irradiance of a plane that faces the Sun, `∫ RADF μ dω / π`: in opposition the
+    /// geometric albedo, ROLO's `A(g)` elsewhere.
+    pub fn disc_reflectance(&self, phase_rad: f64) -> f64 {
+        let rule = gauss_legendre(64);
+        integrate(&rule, phase_rad - FRAC_PI_2, FRAC_PI_2, |longitude_rad| {
+            integrate(&rule, -FRAC_PI_2, FRAC_PI_2, |latitude_rad| {
+                let cos_b = latitude_rad.cos();
+                let (mu0, mu) = (cos_b * (phase_rad - longitude_rad).cos(), cos_b * longitude_rad.cos());
+                self.radiance_factor(mu0, mu, phase_rad.cos()) * mu * cos_b
+            })
+        }) / PI
     }
 
     /// The `override` value that picks the law in `reflectance.wgsl`.
@@ -211,7 +229,6 @@ fn akimov(smoothness: f64, mu0: f64, mu: f64, phase_cosine: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photometry::quadrature::{gauss_legendre, integrate};
 
     fn radiance_factor(law: Reflectance, phase_deg: f64, incidence_deg: f64, emission_deg: f64) -> f64 {
         let [phase, incidence, emission] = [phase_deg, incidence_deg, emission_deg].map(|x: f64| x.to_radians().cos());
@@ -348,7 +365,7 @@ mod tests {
                 let power = 2.0 + smoothness * g / (PI - g);
                 let latitudes = integrate(&rule, -PI / 2.0, PI / 2.0, |b| b.cos().powf(power));
                 let expected = 0.12 * (g / 2.0).cos() * 2.0 * (PI - g) / (PI * PI) * latitudes;
-                let got = disc_integral(laws()[index], g);
+                let got = laws()[index].disc_reflectance(g);
                 assert!((got / expected - 1.0).abs() < 1e-6, "{smoothness} {phase_deg}: {got} {expected}");
             }
         }
@@ -360,27 +377,14 @@ mod tests {
         assert!(radiance_factor(moon, 0.0, 45.0, 45.0) > 2.0 * radiance_factor(moon, 90.0, 45.0, 45.0));
     }
 
-    /// Bodies that fill a disc: mean of RADF over the apparent disc of a sphere, `∫ RADF μ dω / π`.
-    fn disc_integral(law: Reflectance, phase_rad: f64) -> f64 {
-        let rule = gauss_legendre(64);
-        let half = std::f64::consts::FRAC_PI_2;
-        integrate(&rule, phase_rad - half, half, |longitude_rad| {
-            integrate(&rule, -half, half, |latitude_rad| {
-                let cos_b = latitude_rad.cos();
-                let (mu0, mu) = (cos_b * (phase_rad - longitude_rad).cos(), cos_b * longitude_rad.cos());
-                law.radiance_factor(mu0, mu, phase_rad.cos()) * mu * cos_b
-            })
-        }) / PI
-    }
-
     #[test]
     fn spheres_of_lambert_and_lommel_seeliger_have_their_closed_phase_curves() {
         for phase_deg in [1.0f64, 30.0, 90.0, 150.0] {
             let g = phase_deg.to_radians();
             let lambert = 2.0 / 3.0 * 0.12 * (g.sin() + (PI - g) * g.cos()) / PI;
             let seeliger = 0.12 * (1.0 - (g / 2.0).sin() * (g / 2.0).tan() * (1.0 / (g / 4.0).tan()).ln());
-            assert!((disc_integral(laws()[0], g) / lambert - 1.0).abs() < 1e-6, "{phase_deg}");
-            assert!((disc_integral(laws()[1], g) / seeliger - 1.0).abs() < 1e-4, "{phase_deg}");
+            assert!((laws()[0].disc_reflectance(g) / lambert - 1.0).abs() < 1e-6, "{phase_deg}");
+            assert!((laws()[1].disc_reflectance(g) / seeliger - 1.0).abs() < 1e-4, "{phase_deg}");
         }
     }
 
@@ -390,7 +394,7 @@ mod tests {
     fn the_moon_as_a_whole_is_as_bright_as_rolo_saw_it() {
         let table = [(2.0f64, 0.159), (7.0, 0.1227), (30.0, 0.068), (60.0, 0.033), (90.0, 0.0135)];
         for (phase_deg, rolo) in table {
-            let disc = disc_integral(Reflectance::Hapke(Hapke::moon()), phase_deg.to_radians());
+            let disc = Reflectance::Hapke(Hapke::moon()).disc_reflectance(phase_deg.to_radians());
             assert!((disc / rolo - 1.0).abs() < 0.05, "{phase_deg}: {disc}");
         }
     }

@@ -7,6 +7,8 @@
 //! V(h) = ∫_h^1 (1 − v²)^((α+1)/2) dv / B(½, a)      M(h) = (1 − h²)^a / (2 a B(½, a))      a = (α + 3)/2
 //! ```
 //!
+//! A polynomial in `μ` is a sum of such discs, some of negative weight.
+//!
 //! `V` is the regularised incomplete beta function `I_{(1−h)/2}(a, a)`; here it is a Gauss–Legendre sum in
 //! `φ = asin v`, good to 1e-9. Where horizon and facet plane both cut the disc, columns of constant `x` between
 //! the corners of the region are summed, each in the same way. The ground's irradiance follows to first order in
@@ -20,14 +22,14 @@
 //! [`SunAxes`](super::SunAxes).
 //!
 //! # Assumptions
-//! - One exponent for the whole band. At 580 nm the law differs from Neckel & Labs (1994) by at most 1.4e-3 in `V`.
+//! - One law for the whole band: see [`LimbDarkening`].
 //! - Second order in `r` is left out: 2e-5 of the irradiance for the Sun at 1 au.
 //!
 //! `fast` sorts the cases instead and interpolates tables: within 1e-6 of the whole Sun. `solar_disk.wgsl` does so in
 //! `f32`: within 4e-5, 1e-5 for `α = 0.5`. `tests/conformance/photometry.rs` holds it to the quadrature.
 //!
 //! # References
-//! Hestroffer & Magnan (1998), A&A 333, 338, for the law and its exponent.
+//! Max (1988), The Visual Computer 4, 109, doi:10.1007/BF01905562, for the uniform disc.
 
 mod fast;
 mod quadrature;
@@ -39,42 +41,7 @@ use glam::DVec2;
 use quadrature::Quadrature;
 
 use super::quadrature::gauss_legendre;
-use super::{Facet, HorizonLine, PhotometryError};
-
-/// Radiance across the disc against the cosine `μ` of the angle with the Sun's own vertical.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LimbDarkening {
-    /// The same everywhere.
-    Uniform,
-    /// `μ^alpha`.
-    Power { alpha: f64 },
-}
-
-impl LimbDarkening {
-    /// The power law at a wavelength: 303 to 357 nm or 416 to 1099 nm; there is no published fit between.
-    ///
-    /// # References
-    /// Hestroffer & Magnan (1998), A&A 333, 338.
-    pub fn hestroffer_magnan(wavelength_nm: f64) -> Result<Self, PhotometryError> {
-        let wavelength_um = wavelength_nm * 1e-3;
-        match wavelength_nm {
-            303.0..=357.0 => Ok(Self::Power { alpha: -0.507 + 0.441 / wavelength_um }),
-            416.0..=1099.0 => Ok(Self::Power { alpha: -0.023 + 0.292 / wavelength_um }),
-            got => Err(PhotometryError::OutOfRange {
-                parameter: "wavelength of the limb darkening",
-                got,
-                allowed: "[303, 357] and [416, 1099] nm",
-            }),
-        }
-    }
-
-    pub fn alpha(self) -> f64 {
-        match self {
-            Self::Uniform => 0.0,
-            Self::Power { alpha } => alpha,
-        }
-    }
-}
+use super::{Facet, HorizonLine, LimbDarkening, PhotometryError};
 
 /// What is seen of the disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,9 +62,16 @@ impl DiskLight {
     }
 }
 
-/// The Sun's disc with its limb darkening, in units of its own radius.
+/// The Sun's disc with its limb darkening, in units of its own radius: a sum of discs whose radiance is a power of `μ`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolarDisk {
+    parts: Vec<Part>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Part {
+    /// Share of the whole light; negative where a polynomial's factor is.
+    weight: f64,
     believed: Quadrature,
     fast: Fast,
 }
@@ -111,31 +85,45 @@ struct HalfPlane {
 
 impl SolarDisk {
     pub fn new(law: LimbDarkening) -> Result<Self, PhotometryError> {
-        let alpha = law.alpha();
-        if !(0.0..=2.0).contains(&alpha) {
-            let (parameter, allowed) = ("exponent of the limb darkening", "[0, 2]");
-            return Err(PhotometryError::OutOfRange { parameter, got: alpha, allowed });
-        }
-        let believed = Quadrature::new(alpha);
-        Ok(Self { fast: Fast::new(&believed), believed })
+        law.check()?;
+        let mean = law.mean();
+        let part = |(alpha, factor): (f64, f64)| {
+            let believed = Quadrature::new(alpha);
+            Part { weight: 2.0 * factor / (alpha + 2.0) / mean, fast: Fast::new(&believed), believed }
+        };
+        Ok(Self { parts: law.powers().into_iter().map(part).collect() })
     }
 
     /// Share of the light above a straight line at `height` solar radii from the centre.
     pub fn visible_above(&self, height: f64) -> f64 {
-        self.believed.visible_above(height)
+        self.parts.iter().map(|part| part.weight * part.believed.visible_above(height)).sum()
     }
 
     /// First moment of that light, across the line, in solar radii.
     pub fn moment_above(&self, height: f64) -> f64 {
-        self.believed.moment_above(height)
+        self.parts.iter().map(|part| part.weight * part.believed.moment_above(height)).sum()
+    }
+
+    /// The sum over the parts of what `light` gives for each.
+    fn sum(&self, light: impl Fn(&Part) -> DiskLight) -> DiskLight {
+        if let [part] = &self.parts[..] {
+            return light(part);
+        }
+        let (mut fraction, mut moment) = (0.0, DVec2::ZERO);
+        for part in &self.parts {
+            let light = light(part);
+            fraction += part.weight * light.fraction;
+            moment += part.weight * light.moment;
+        }
+        DiskLight { fraction: fraction.clamp(0.0, 1.0), moment }
     }
 
     /// What is seen above the horizon and above the facet's own plane.
     pub fn light(&self, horizon: HorizonLine, facet: Facet) -> DiskLight {
         match Cut::of(horizon, facet) {
             Cut::None(whole) => whole,
-            Cut::One(plane) => self.fast.light_above_line(plane),
-            Cut::Both(a, b) => self.fast.light_above_both(a, b),
+            Cut::One(plane) => self.sum(|part| part.fast.light_above_line(plane)),
+            Cut::Both(a, b) => self.sum(|part| part.fast.light_above_both(a, b)),
         }
     }
 
@@ -143,8 +131,8 @@ impl SolarDisk {
     pub fn light_by_quadrature(&self, horizon: HorizonLine, facet: Facet) -> DiskLight {
         match Cut::of(horizon, facet) {
             Cut::None(whole) => whole,
-            Cut::One(plane) => self.believed.light_above_line(plane),
-            Cut::Both(a, b) => self.believed.light_by_columns([a, b]),
+            Cut::One(plane) => self.sum(|part| part.believed.light_above_line(plane)),
+            Cut::Both(a, b) => self.sum(|part| part.believed.light_by_columns([a, b])),
         }
     }
 
@@ -154,44 +142,59 @@ impl SolarDisk {
     pub fn light_above(&self, skyline: &dyn Fn(f64) -> f64, facet: Facet) -> DiskLight {
         let own = HalfPlane::new(facet.slope, facet.height);
         let width_rad = PI / f64::from(Self::COLUMNS_OF_SKYLINE);
-        let alpha = self.believed.alpha;
-        let (mut fraction, mut moment) = (0.0, DVec2::ZERO);
-        for column in 0..Self::COLUMNS_OF_SKYLINE {
+        let columns = (0..Self::COLUMNS_OF_SKYLINE).map(|column| {
             let (x, chord) = ((f64::from(column) + 0.5) * width_rad - FRAC_PI_2).sin_cos();
-            let horizon = HalfPlane { normal: DVec2::Y, height: skyline(x) };
-            let weight = width_rad * chord.powf(alpha + 2.0);
-            let (share, offset) = self.fast.column([horizon, own], x, chord);
-            fraction += weight * share;
-            moment += weight * DVec2::new(x * share, chord * offset);
-        }
-        let norm = (alpha + 2.0) / (2.0 * PI);
-        DiskLight { fraction: norm * fraction, moment: norm * moment }
+            (x, chord, HalfPlane { normal: DVec2::Y, height: skyline(x) })
+        });
+        let columns: Vec<_> = columns.collect();
+        self.sum(|part| {
+            let alpha = part.believed.alpha;
+            let (mut fraction, mut moment) = (0.0, DVec2::ZERO);
+            for &(x, chord, horizon) in &columns {
+                let weight = width_rad * chord.powf(alpha + 2.0);
+                let (share, offset) = part.fast.column([horizon, own], x, chord);
+                fraction += weight * share;
+                moment += weight * DVec2::new(x * share, chord * offset);
+            }
+            let norm = (alpha + 2.0) / (2.0 * PI);
+            DiskLight { fraction: norm * fraction, moment: norm * moment }
+        })
     }
 
     const COLUMNS_OF_SKYLINE: u32 = 24;
 
-    /// The numbers that `solar_disk.wgsl` reads: three constants and a zero; `V(h)` at `DISK_KNOTS` even steps of
-    /// `√(1 − h)` from 0 to 1; the share of a chord above the same heights; `DISK_COLUMNS` nodes and weights on
-    /// [0, 1], in turns.
+    /// The numbers that `solar_disk.wgsl` reads, part by part: three constants and the part's weight; `V(h)` at `DISK_KNOTS`
+    /// even steps of `√(1 − h)` from 0 to 1; the share of a chord above the same heights; `DISK_COLUMNS` nodes and weights
+    /// on [0, 1], in turns.
     pub fn tables(&self) -> Vec<f32> {
         let heights = (0..Self::KNOTS).map(|i| 1.0 - (f64::from(i) / f64::from(Self::KNOTS - 1)).powi(2));
-        let columns = gauss_legendre(Self::COLUMNS as usize).into_iter().flat_map(|(node, weight)| [node, weight]);
-        let Quadrature { alpha, line_norm, chord_norm, .. } = self.believed;
-        [alpha, line_norm, chord_norm, 0.0]
-            .into_iter()
-            .chain(heights.clone().map(|height| self.believed.visible_above(height)))
-            .chain(heights.map(|height| self.believed.chord_above(height)))
-            .chain(columns)
-            .map(|value| value as f32)
-            .collect()
+        let columns: Vec<_> =
+            gauss_legendre(Self::COLUMNS as usize).into_iter().flat_map(|(node, weight)| [node, weight]).collect();
+        let of_part = |part: &Part| {
+            let Quadrature { alpha, line_norm, chord_norm, .. } = part.believed;
+            let numbers = [alpha, line_norm, chord_norm, part.weight].into_iter();
+            let lines = heights.clone().map(|height| part.believed.visible_above(height));
+            let chords = heights.clone().map(|height| part.believed.chord_above(height));
+            numbers
+                .chain(lines)
+                .chain(chords)
+                .chain(columns.iter().copied())
+                .map(|value| value as f32)
+                .collect::<Vec<_>>()
+        };
+        self.parts.iter().flat_map(of_part).collect()
     }
 
     const KNOTS: u32 = 257;
     const COLUMNS: u32 = 12;
 
     /// The `override` values that go with [`SolarDisk::tables`].
-    pub fn constants() -> [(&'static str, f64); 2] {
-        [("DISK_KNOTS", f64::from(Self::KNOTS)), ("DISK_COLUMNS", f64::from(Self::COLUMNS))]
+    pub fn constants(&self) -> [(&'static str, f64); 3] {
+        [
+            ("DISK_KNOTS", f64::from(Self::KNOTS)),
+            ("DISK_COLUMNS", f64::from(Self::COLUMNS)),
+            ("DISK_PARTS", self.parts.len() as f64),
+        ]
     }
 }
 
@@ -251,19 +254,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_exponent_follows_hestroffer_and_magnan_and_ends_where_their_fit_ends() {
-        let table = [(321.0, 0.8668), (450.0, 0.6259), (550.0, 0.5079), (689.0, 0.4008), (1000.0, 0.2690)];
-        for (wavelength_nm, alpha) in table {
-            let law = LimbDarkening::hestroffer_magnan(wavelength_nm).unwrap();
-            assert!((law.alpha() - alpha).abs() < 6e-5, "{wavelength_nm} nm: {law:?}");
-        }
-        for outside_nm in [302.0, 360.0, 415.0, 1100.0, f64::NAN] {
-            assert!(LimbDarkening::hestroffer_magnan(outside_nm).is_err(), "{outside_nm} nm");
-        }
-        assert!(SolarDisk::new(LimbDarkening::Power { alpha: -0.1 }).is_err());
-    }
-
     /// Values of the incomplete beta function and of a 2-D quadrature, six digits.
     #[test]
     fn the_share_above_a_level_line_is_the_incomplete_beta_function() {
@@ -314,8 +304,10 @@ mod tests {
             for (height, slope) in [(0.0, 0.0), (0.3, 1.0), (-0.5, -2.0), (2.0, 30.0), (0.0, 1e6), (0.99, 0.0)] {
                 let line = HalfPlane::new(DVec2::new(-slope, 1.0), -height);
                 let far = HalfPlane { normal: DVec2::X, height: -2.0 };
-                let (columns, closed) =
-                    (disk(alpha).believed.light_by_columns([line, far]), disk(alpha).believed.light_above_line(line));
+                let (columns, closed) = (
+                    disk(alpha).parts[0].believed.light_by_columns([line, far]),
+                    disk(alpha).parts[0].believed.light_above_line(line),
+                );
                 assert!((columns.fraction - closed.fraction).abs() < 1e-8, "{alpha} {line:?} {columns:?} {closed:?}");
                 assert!((columns.moment - closed.moment).length() < 1e-8, "{alpha} {line:?} {columns:?} {closed:?}");
             }

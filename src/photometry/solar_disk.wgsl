@@ -3,10 +3,14 @@
 // Lengths are solar radii in the tangent plane at the Sun. A single line across the disc has a closed form; two
 // lines that do not cross inside the disc are sums of single ones; else columns parallel to one line are summed.
 // Twin of solar_disk.rs and tangent_plane.rs. The pass declares `disk_tables: array<f32>`, filled by
-// `SolarDisk::tables`.
+// `SolarDisk::tables`: one table for each part of the disc, whose radiance is a power of the cosine.
 
 override DISK_KNOTS: u32;
 override DISK_COLUMNS: u32;
+override DISK_PARTS: u32;
+
+// Where the table of the part in hand begins.
+var<private> disk_part: u32 = 0u;
 
 struct DiskLight {
     fraction: f32,
@@ -57,10 +61,27 @@ fn disk_light(horizon_height: f32, horizon_slope: f32, facet: vec3f) -> DiskLigh
     if max(horizon.height, own.height) >= 1.0 {
         return NO_LIGHT;
     }
+    if max(horizon.height, own.height) <= -1.0 {
+        return FULL_LIGHT;
+    }
+    if DISK_PARTS == 1u {
+        return part_light(horizon, own);
+    }
+    var sum = NO_LIGHT;
+    for (var part = 0u; part < DISK_PARTS; part++) {
+        disk_part = part * (4u + 2u * DISK_KNOTS + 2u * DISK_COLUMNS);
+        let light = part_light(horizon, own);
+        sum.fraction += disk_tables[disk_part + 3u] * light.fraction;
+        sum.moment += disk_tables[disk_part + 3u] * light.moment;
+    }
+    disk_part = 0u;
+    sum.fraction = clamp(sum.fraction, 0.0, 1.0);
+    return sum;
+}
+
+// What one part shows between two edges of which at least one cuts the disc, and none hides it.
+fn part_light(horizon: HalfPlane, own: HalfPlane) -> DiskLight {
     if own.height <= -1.0 {
-        if horizon.height <= -1.0 {
-            return FULL_LIGHT;
-        }
         return light_above(horizon);
     }
     if horizon.height <= -1.0 {
@@ -141,19 +162,19 @@ fn light_in_wedge(a: HalfPlane, b: HalfPlane, sine: f32, cosine: f32) -> DiskLig
     let along = side * vec2f(-a.normal.y, a.normal.x);
     let end = min(b.height * cosine + sqrt(max(1.0 - b.height * b.height, 0.0)) * abs(sine), 1.0);
     let width = max(end - a.height, 0.0);
-    let alpha = disk_tables[0];
+    let alpha = disk_tables[disk_part];
     var fraction = 0.0;
     var moment = vec2f(0.0, 0.0);
     for (var i = 0u; i < DISK_COLUMNS; i++) {
-        let column = 4u + 2u * DISK_KNOTS + 2u * i;
+        let column = disk_part + 4u + 2u * DISK_KNOTS + 2u * i;
         let x = a.height + width * disk_tables[column];
         let square = max(1.0 - x * x, LEAST_LENGTH);
         let chord = sqrt(square);
         let t = clamp((b.height - cosine * x) / (abs(sine) * chord), -1.0, 1.0);
-        let weight = width * disk_tables[column + 1u] * pow(square, 0.5 * (alpha + 1.0)) / disk_tables[1];
-        let share = disk_table(4u + DISK_KNOTS, t);
+        let weight = width * disk_tables[column + 1u] * pow(square, 0.5 * (alpha + 1.0)) / disk_tables[disk_part + 1u];
+        let share = disk_table(disk_part + 4u + DISK_KNOTS, t);
         fraction += weight * share;
-        moment += weight * vec2f(x * share, chord * power_of_rest(t, 0.5 * alpha + 1.0) / ((alpha + 2.0) * disk_tables[2]));
+        moment += weight * vec2f(x * share, chord * power_of_rest(t, 0.5 * alpha + 1.0) / ((alpha + 2.0) * disk_tables[disk_part + 2u]));
     }
     if cosine >= b.height {
         fraction += share_above(end);
@@ -163,12 +184,12 @@ fn light_in_wedge(a: HalfPlane, b: HalfPlane, sine: f32, cosine: f32) -> DiskLig
 }
 
 fn share_above(height: f32) -> f32 {
-    return disk_table(4u, height);
+    return disk_table(disk_part + 4u, height);
 }
 
 fn moment_above(height: f32) -> f32 {
-    let alpha = disk_tables[0];
-    return power_of_rest(height, 0.5 * (alpha + 3.0)) / ((alpha + 3.0) * disk_tables[1]);
+    let alpha = disk_tables[disk_part];
+    return power_of_rest(height, 0.5 * (alpha + 3.0)) / ((alpha + 3.0) * disk_tables[disk_part + 1u]);
 }
 
 // (1 − x²)^exponent, 0 at the ends.

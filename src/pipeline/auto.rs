@@ -88,7 +88,8 @@ impl Facts {
         Self {
             error,
             azimuths: scenario.horizon.azimuths as usize,
-            maps_are_made: matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })),
+            maps_are_made: matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. }))
+                || scenario.bounce.is_some(),
             spanned: planes(exposures),
             swept: new.iter().map(|&index| planes(&exposures[index..=index])).sum(),
             images: exposures.len(),

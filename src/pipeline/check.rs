@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, scene, sequence, swath};
+use super::{Error, Progress, body_frame, ground, kernels, motion, points, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
@@ -23,10 +23,11 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     let mut checked = Checked::default();
     let problems = &mut checked.problems;
     problems.extend(scene::optics(scenario).err());
-    problems.extend(scene::detector(scenario).err());
+    let points = points(scenario);
+    problems.extend(points.iter().filter_map(|point| scene::detector(point).err()).take(1));
     problems.extend(scene::disk(scenario).err());
-    problems.extend(scene::reflectance(scenario).err());
-    if let Albedo::Map(path) = &scenario.albedo {
+    problems.extend(points.iter().filter_map(|point| scene::reflectance(point).err()).take(1));
+    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
         let options = raster::Options { values: raster::Values::Height, ..Default::default() };
         problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
     }
@@ -56,7 +57,8 @@ fn surface(
 ) -> Option<ground::Ground> {
     let (body, dems) = (&scenario.body, scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems));
     let paths = ground::paths(body, dems, cache);
-    let is_there = |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. }) || path.is_file();
+    let is_there =
+        |(dem, path): &(&Dem, &PathBuf)| !matches!(dem, Dem::Synthetic { .. } | Dem::Detail { .. }) || path.is_file();
     let (there, missing): (Vec<_>, Vec<_>) = dems.iter().zip(&paths).partition(is_there);
     let opened = match missing[..] {
         [] => ground::surface(scenario.terrain.as_ref(), body, cache, progress).map(Some),
@@ -83,7 +85,7 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         Some(ground) => (ground.surface, ground.centre),
         None => bare(&frame.body, scenario),
     };
-    let outcomes = match motion::outcomes(scenario, almanac, frame, &surface, centre) {
+    let outcomes = match motion::outcomes(&points(scenario), almanac, frame, &surface, centre) {
         Ok(outcomes) => outcomes,
         Err(error) => return vec![error],
     };

@@ -37,10 +37,12 @@ fn of_terrain(scenario: &Scenario, cache: &Path) -> Result<Vec<Vec<Crater>>, Err
     let dems = scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
     let mut lists = Vec::new();
     for (index, (dem, path)) in dems.iter().zip(ground::paths(&scenario.body, dems, cache)).enumerate() {
-        if matches!(dem, Dem::Synthetic { .. }) {
-            let list = path.with_extension("craters.csv");
-            lists.push(catalogue::read(&list, &format!("terrain{index}/"), Origin::Synthetic)?);
-        }
+        let origin = match dem {
+            Dem::Synthetic { .. } => Origin::Synthetic,
+            Dem::Detail { .. } => Origin::Invented,
+            Dem::File { .. } | Dem::Cube { .. } => continue,
+        };
+        lists.push(catalogue::read(&path.with_extension("craters.csv"), &format!("terrain{index}/"), origin)?);
     }
     Ok(lists)
 }

@@ -12,6 +12,8 @@ pub enum Error {
     #[error(transparent)]
     Attitude(#[from] crate::ephemeris::attitude::AttitudeError),
     #[error(transparent)]
+    Aem(#[from] crate::ephemeris::aem::AemError),
+    #[error(transparent)]
     Raster(#[from] crate::raster::Error),
     #[error(transparent)]
     Synthetic(#[from] crate::terrain::synthetic::Error),

@@ -13,7 +13,7 @@ use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
-use crate::terrain::synthetic::{self, Parameters, Synthetic};
+use crate::terrain::synthetic::{self, Crater, Detail, Parameters};
 use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows, on the map: for the Moon 137 km of ground. Terrain further off shows
@@ -46,6 +46,7 @@ pub fn surface(
     let paths = paths(body, &terrain.dems, cache);
     make_synthetic(body, &terrain.dems, &paths, progress)?;
     let centre = centre(terrain, &paths)?;
+    make_detail(body, &terrain.dems, &paths, centre, progress)?;
     let mut dems = Vec::new();
     for (written, path) in terrain.dems.iter().zip(&paths) {
         dems.push(open(written, path, body, Some(centre), progress)?);
@@ -78,7 +79,9 @@ fn faces(
         .zip(dems)
         .map(|(written, dem)| match *written {
             scenario::Dem::File { posting_m, extent_m, .. } => NestedDem { dem, posting_m, extent_m },
-            scenario::Dem::Synthetic { .. } | scenario::Dem::Cube { .. } => NestedDem::whole(dem),
+            scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } | scenario::Dem::Cube { .. } => {
+                NestedDem::whole(dem)
+            }
         })
         .collect();
     let (face, errors) = build_face(body, centre, &nested, MAX_NODES_PER_SIDE)?;
@@ -95,6 +98,16 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
     let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
     let mut path = |dem: &scenario::Dem| match dem {
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
+        // What it continues is a file that may change.
+        scenario::Dem::Detail { .. } => {
+            let measured = dems.get(1).and_then(|dem| match dem {
+                scenario::Dem::File { path, .. } => raster::digest(path).ok(),
+                _ => None,
+            });
+            let shape = format!("{} {body:?} {dem:?} {:?} {measured:?}", env!("CARGO_PKG_VERSION"), dems.get(1));
+            let key = crate::digest::sha256_hex(shape.as_bytes());
+            cache.join("terrain").join(format!("detail-{}.tif", &key[..16]))
+        }
         scenario::Dem::Synthetic { .. } => {
             shape += &format!(" {:?}", synthetic_parameters(dem));
             let key = crate::digest::sha256_hex(shape.as_bytes());
@@ -110,7 +123,11 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
 pub fn centre(terrain: &scenario::Terrain, paths: &[PathBuf]) -> Result<Geodetic, Error> {
     match terrain.centre {
         Some(centre) => Ok(centre),
-        None => Ok(Dem::middle(&paths[0])?),
+        None => {
+            let is_detail = |dem: &&scenario::Dem| matches!(dem, scenario::Dem::Detail { .. });
+            let invented = terrain.dems.iter().take_while(is_detail).count();
+            Ok(Dem::middle(&paths[invented])?)
+        }
     }
 }
 
@@ -125,7 +142,7 @@ pub fn open(
     let (values, posting_m, extent_m) = match *written {
         scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
         scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
-        scenario::Dem::Synthetic { .. } => (scenario::Values::Height, None, None),
+        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (scenario::Values::Height, None, None),
     };
     progress.begin(&format!("reading {}", file_name(path)), 1, "file");
     let values = match values {
@@ -164,20 +181,50 @@ fn make_synthetic(
             Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
             None => synthetic::generate(body, parameters, &heard)?,
         };
-        keep(&terrain, path)?;
+        keep(&terrain.craters, path, &|path| terrain.write(path))?;
         coarse = Some(terrain);
     }
     Ok(())
 }
 
-/// Writes a synthetic terrain and its craters.
-fn keep(terrain: &Synthetic, path: &Path) -> Result<(), Error> {
+/// Makes the ground below the posting of the first measured model, unless it is there.
+fn make_detail(
+    body: &Body,
+    dems: &[scenario::Dem],
+    paths: &[PathBuf],
+    centre: Geodetic,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    let [scenario::Dem::Detail { posting_m, extent_m, seed, craters, boulders_per_km2, .. }, measured, ..] = dems
+    else {
+        return Ok(());
+    };
+    if paths[0].is_file() {
+        return Ok(());
+    }
+    let measured = open(measured, &paths[1], body, Some(centre), progress)?;
+    progress.begin("making ground below the posting", 1, "model");
+    let detail = Detail {
+        posting_m: *posting_m,
+        extent_m: *extent_m,
+        centre,
+        seed: *seed,
+        craters: *craters,
+        boulders_per_km2: *boulders_per_km2,
+    };
+    let continued = synthetic::continue_below(body, &detail, &measured)?;
+    keep(&continued.craters, &paths[0], &|path| continued.write(path))
+}
+
+/// Writes made terrain and its craters.
+fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), synthetic::Error>) -> Result<(), Error> {
     let folder = path.parent().unwrap_or(path);
     std::fs::create_dir_all(folder).map_err(|source| Error::Unwritable { path: folder.into(), source })?;
     // The craters first: the terrain's name says that both are there.
-    let craters = path.with_extension("craters.csv");
-    std::fs::write(&craters, terrain.craters_csv()).map_err(|source| Error::Unwritable { path: craters, source })?;
-    Ok(terrain.write(path)?)
+    let list = path.with_extension("craters.csv");
+    let text = synthetic::craters_csv(craters);
+    std::fs::write(&list, text).map_err(|source| Error::Unwritable { path: list, source })?;
+    Ok(write(path)?)
 }
 
 /// A horizon tile that is ready.

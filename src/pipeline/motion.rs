@@ -3,37 +3,62 @@
 use hifitime::{Epoch, Unit};
 
 use super::Error;
+use super::lights::{Lit, Sky};
+use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
-use crate::ephemeris::{self, Almanac, BodyFrame, Source, utc_text};
-use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
+use crate::ephemeris::{Almanac, BodyFrame, Source, utc_text};
+use crate::geometry::{BodyFixed, Geodetic, Position};
 use crate::horizon::Band;
-use crate::render::{Light, View};
+use crate::render::View;
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
 use crate::terrain::Surface;
 
 /// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
 #[derive(Debug, Clone)]
 pub struct Exposure {
+    /// Of the scenario's sweep, counted from 0.
+    pub point: usize,
     pub epoch: Epoch,
+    /// Of the camera, against the turning body.
+    pub velocity_m_s: glam::DVec3,
     pub sun: Source,
+    /// Share of the Sun's light that the Earth leaves; `None`: nobody asked, or no kernel has the Earth.
+    pub eclipse_share: Option<f64>,
     pub view: View,
 }
 
-/// All exposures of a scenario, before any of them is rendered.
+/// All exposures of a scenario at all points of its sweep, before any of them is rendered.
 pub fn exposures(
-    scenario: &Scenario,
+    points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
 ) -> Result<Vec<Exposure>, Error> {
-    outcomes(scenario, almanac, frame, surface, centre)?.into_iter().collect()
+    outcomes(points, almanac, frame, surface, centre)?.into_iter().collect()
 }
 
 /// As [`exposures`], each with what stands against it.
 pub fn outcomes(
+    points: &[Scenario],
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    surface: &Surface,
+    centre: Geodetic,
+) -> Result<Vec<Result<Exposure, Error>>, Error> {
+    let mut all = Vec::new();
+    for (point, scenario) in points.iter().enumerate() {
+        let first = all.len();
+        all.extend(of_point(scenario, [point, first], almanac, frame, surface, centre)?);
+    }
+    Ok(all)
+}
+
+/// The exposures at a point, the first of which is the dataset's `first`.
+fn of_point(
     scenario: &Scenario,
+    [point, first]: [usize; 2],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
@@ -41,79 +66,29 @@ pub fn outcomes(
 ) -> Result<Vec<Result<Exposure, Error>>, Error> {
     let trajectory = trajectory(scenario, almanac, frame, surface)?;
     let pointing = pointing(scenario, frame, surface)?;
-    let reference = frame.body.position_from_geodetic(centre);
+    let sky = Sky { scenario, almanac, frame, centre };
     let exposure = |(index, &epoch): (usize, &Epoch)| {
+        let index = first + index;
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
         check_clearance(surface, index, epoch, position)?;
-        let camera_from_body = pointing.camera_from_body(&frame.body, epoch, position, velocity_m_s)?;
-        let sun = sun(scenario, almanac, frame, centre, epoch)?;
-        let mut lights = vec![light(reference, &sun, sun.irradiance_w_m2(scenario.sun.irradiance_w_m2))];
-        if let Some(albedo) = scenario.earthshine_albedo {
-            lights.push(earthshine(almanac, frame, reference, epoch, &sun, albedo, scenario.sun.irradiance_w_m2)?);
-        }
+        let camera_from_body = match &pointing {
+            Attitude::Law(law) => law.camera_from_body(&frame.body, epoch, position, velocity_m_s)?,
+            Attitude::Message(message) => message.camera_from_body(almanac, frame, epoch)?,
+        };
+        let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
         let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
-        Ok(Exposure { epoch, sun, view })
+        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
     };
     Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
 }
 
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
-/// None under earthshine or ambient light: those come from elsewhere.
+/// None under earthshine, ambient or bounced light: those come from elsewhere.
 pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<Band> {
     let suns: Vec<_> = exposures.iter().map(|e| (e.sun.direction, e.sun.angular_radius_rad)).collect();
-    let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none();
+    let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none() && scenario.bounce.is_none();
     let wanted = scenario.horizon.band && sun_only;
     if wanted { Band::about(&suns) } else { None }
-}
-
-/// A source seen from `reference`, at its apparent place.
-fn light(reference: Position<BodyFixed>, source: &Source, irradiance_w_m2: f64) -> Light {
-    let position = Position::from_m(reference.vector_m() + source.distance_m * source.direction.unit());
-    Light { position, angular_radius_rad: source.angular_radius_rad, irradiance_w_m2 }
-}
-
-fn sun(
-    scenario: &Scenario,
-    almanac: &Almanac,
-    frame: &BodyFrame,
-    centre: Geodetic,
-    epoch: Epoch,
-) -> Result<Source, Error> {
-    let reference = frame.body.position_from_geodetic(centre);
-    let Some(fixed) = scenario.sun.fixed else {
-        return Ok(ephemeris::sun(almanac, frame, reference, epoch)?);
-    };
-    let (sin_azimuth, cos_azimuth) = fixed.azimuth_rad.sin_cos();
-    let (sin, cos) = fixed.elevation_rad.sin_cos();
-    let local = Direction::new(glam::DVec3::new(cos * sin_azimuth, cos * cos_azimuth, sin)).expect("it has length 1");
-    Ok(Source {
-        direction: frame.body.local_from_body(centre).inverse() * local,
-        distance_m: fixed.distance_m,
-        angular_radius_rad: (crate::quantity::SOLAR_RADIUS_M / fixed.distance_m).asin(),
-    })
-}
-
-/// The Earth as a Lambert sphere of geometric albedo `albedo`:
-/// `E = E_sun p (R/d)² Φ(a)`, `Φ(a) = [sin a + (π − a) cos a]/π`, `a` the phase angle at the Earth.
-#[allow(clippy::too_many_arguments)]
-fn earthshine(
-    almanac: &Almanac,
-    frame: &BodyFrame,
-    reference: Position<BodyFixed>,
-    epoch: Epoch,
-    sun: &Source,
-    albedo: f64,
-    irradiance_1au_w_m2: f64,
-) -> Result<Light, Error> {
-    let earth = ephemeris::earth(almanac, frame, reference, epoch)?;
-    let from_earth_to_sun = sun.distance_m * sun.direction.unit() - earth.distance_m * earth.direction.unit();
-    let to_sun = Direction::<BodyFixed>::new(from_earth_to_sun);
-    let to_here = Direction::new(-earth.direction.unit());
-    let phase_rad = to_sun.zip(to_here).map_or(0.0, |(a, b)| a.angle_to(b));
-    let lambert = (phase_rad.sin() + (std::f64::consts::PI - phase_rad) * phase_rad.cos()) / std::f64::consts::PI;
-    let at_earth = Source { distance_m: from_earth_to_sun.length(), ..*sun }.irradiance_w_m2(irradiance_1au_w_m2);
-    let irradiance_w_m2 = at_earth * albedo * (ephemeris::EARTH_RADIUS_M / earth.distance_m).powi(2) * lambert;
-    Ok(light(reference, &earth, irradiance_w_m2))
 }
 
 fn check_clearance(surface: &Surface, index: usize, epoch: Epoch, position: Position<BodyFixed>) -> Result<(), Error> {
@@ -180,9 +155,15 @@ fn trajectory(
     })
 }
 
-fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Pointing, Error> {
+/// Where the camera looks.
+enum Attitude {
+    Law(Pointing),
+    Message(Aem),
+}
+
+fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Attitude, Error> {
     let roll_rad = scenario.pointing.roll_rad;
-    Ok(match &scenario.pointing.towards {
+    Ok(Attitude::Law(match &scenario.pointing.towards {
         Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
         Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
         Towards::At { point, height_above } => {
@@ -201,5 +182,6 @@ fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result
                 _ => Pointing::Table(AttitudeTable::new(start, &rows)?),
             }
         }
-    })
+        Towards::Aem { path } => return Ok(Attitude::Message(Aem::read(path)?)),
+    }))
 }

@@ -1,14 +1,15 @@
 //! What is written down about a run and about each exposure.
 
 use super::ground::file_name;
-use super::{Prepared, scene};
+use super::{Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
-    RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, White,
+    RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
+use crate::labels;
 use crate::render::{Image, Quantity, Scene};
-use crate::scenario::{Albedo, Preview, Scenario};
+use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
 pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Run {
@@ -36,11 +37,28 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "ambient": scenario.ambient,
         "photometry": format!("{:?}", scene.reflectance),
         "limb_darkening": scene::disk_name(scenario),
+        "spectrum": scenario.sun.spectrum,
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if let Some(bounce) = scenario.bounce {
+        settings["bounce"] = serde_json::json!(bounce);
+    }
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
+        settings["invented"] = serde_json::json!(invented);
+    }
+    if let Some(sweep) = &scenario.sweep {
+        let values = |point: &Point| point.0.iter().map(|(_, value)| *value).collect::<Vec<f64>>();
+        let varied: Vec<&str> =
+            sweep.points.iter().take(1).flat_map(|point| &point.0).map(|(key, _)| key.key()).collect();
+        let points: Vec<Vec<f64>> = sweep.points.iter().map(values).collect();
+        settings["sweep"] = serde_json::json!({ "design": sweep.written.design, "varied": varied, "points": points });
+    }
+    if let Some(split) = &scenario.split {
+        settings["split"] = serde_json::json!(split);
     }
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
@@ -79,11 +97,21 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image) -> Facts {
+pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image) -> Facts {
     let exposure = &prepared.exposures[index];
+    let scenario = &prepared.points[exposure.point];
     let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
+        sweep: prepared.sweep.as_ref().map(|sweep| SweepRecord {
+            point: exposure.point,
+            values: sweep.points[exposure.point]
+                .0
+                .iter()
+                .map(|(varied, value)| (varied.key().into(), *value))
+                .collect(),
+        }),
+        split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
         camera: CameraRecord::opencv(
@@ -96,9 +124,13 @@ pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run,
         sun: sun(scenario, prepared, index),
         radiometry: RadiometryRecord {
             unit: Quantity::Radiance.unit().into(),
+            spectrum: scenario.sun.spectrum.clone(),
             irradiance_1au_w_m2: scenario.sun.irradiance_w_m2,
             irradiance_w_m2: exposure.view.lights[0].irradiance_w_m2,
-            band_nm: camera.band_m.map(|band| band.map(|edge_m| edge_m * 1e9)),
+            band_nm: scenario.band.as_ref().map(|band| band.response.range_nm()),
+            response: scenario.band.as_ref().and_then(|band| band.path.as_deref()).map(file_name),
+            band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
+            mean_wavelength_nm: scenario.band.as_ref().map(|band| band.wavelength_nm),
         },
         sensor: SensorRecord {
             seed: scenario.seed,
@@ -115,11 +147,13 @@ pub fn facts(scenario: &Scenario, prepared: &Prepared, scene: &Scene, run: &Run,
 }
 
 fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
-    let view = &prepared.exposures[index].view;
+    let exposure = &prepared.exposures[index];
+    let view = &exposure.view;
     let q = view.camera_from_body.quaternion();
     let place = prepared.frame.body.geodetic_from_position(view.camera_position);
     PoseRecord {
         r_body_fixed_m: view.camera_position.vector_m().to_array(),
+        v_body_fixed_m_s: exposure.velocity_m_s.to_array(),
         q_wxyz: [q.w, q.x, q.y, q.z],
         latitude_deg: place.latitude_rad.to_degrees(),
         longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),
@@ -145,6 +179,7 @@ fn sun(scenario: &Scenario, prepared: &Prepared, index: usize) -> SunRecord {
         azimuth_deg: terrain.then_some(sky.azimuth_rad.to_degrees()),
         elevation_deg: terrain.then_some(sky.elevation_rad.to_degrees()),
         limb_darkening: scene::disk_name(scenario),
+        eclipse_share: prepared.exposures[index].eclipse_share,
     }
 }
 
@@ -158,6 +193,7 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
         albedo: match &scenario.albedo {
             Albedo::Constant(albedo) => format!("constant {albedo}"),
             Albedo::Map(path) => file_name(path),
+            Albedo::SingleScattering(path) => format!("{} (single scattering)", file_name(path)),
         },
     }
 }

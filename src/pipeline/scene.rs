@@ -4,8 +4,8 @@ use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
-use crate::render;
-use crate::scenario::{Albedo, Ambient, Photometry, Scenario, Sky};
+use crate::render::{self, AlbedoRole};
+use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
 use crate::shadow::{Mipmaps, Multiscale};
 use crate::terrain::{Face, Surface, Terrain};
@@ -37,7 +37,7 @@ pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
     let detector = Detector {
         exposure_s: camera.exposure_s,
         pixel_pitch_m: camera.pixel_pitch_m.unwrap_or(DEFAULT_PIXEL_PITCH_M),
-        wavelength_m: camera.band_m.map_or(BROADBAND_WAVELENGTH_M, |[low, high]| (low + high) / 2.0),
+        wavelength_m: scenario.band.as_ref().map_or(BROADBAND_WAVELENGTH_M, |band| band.wavelength_nm * 1e-9),
         quantum_efficiency: written.quantum_efficiency,
         dark_current_e_s: written.dark_current_e_per_s,
         read_noise_e: written.read_noise_e,
@@ -54,18 +54,33 @@ pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
 }
 
 pub fn disk(scenario: &Scenario) -> Result<SolarDisk, Error> {
-    let law = match scenario.sun.limb_darkening_wavelength_m {
+    Ok(SolarDisk::new(limb_darkening(scenario)?)?)
+}
+
+pub fn limb_darkening(scenario: &Scenario) -> Result<LimbDarkening, Error> {
+    let law = match scenario.sun.limb_darkening {
         None => LimbDarkening::Uniform,
-        Some(wavelength_m) => LimbDarkening::hestroffer_magnan(wavelength_m * 1e9)?,
+        Some(LimbDarkened { law: LimbLaw::HestrofferMagnan, wavelength_m }) => {
+            LimbDarkening::hestroffer_magnan(wavelength_m * 1e9)?
+        }
+        Some(LimbDarkened { law: LimbLaw::NeckelLabs, wavelength_m }) => {
+            LimbDarkening::neckel_labs(wavelength_m * 1e9)?
+        }
     };
-    Ok(SolarDisk::new(law)?)
+    Ok(law)
 }
 
 /// The limb-darkening law in words, for records.
 pub fn disk_name(scenario: &Scenario) -> String {
-    match scenario.sun.limb_darkening_wavelength_m {
+    match scenario.sun.limb_darkening {
         None => "uniform".into(),
-        Some(wavelength_m) => format!("Hestroffer & Magnan 1998 at {:.0} nm", wavelength_m * 1e9),
+        Some(LimbDarkened { law, wavelength_m }) => {
+            let who = match law {
+                LimbLaw::HestrofferMagnan => "Hestroffer & Magnan 1998",
+                LimbLaw::NeckelLabs => "Neckel & Labs 1994",
+            };
+            format!("{who} at {:.0} nm", wavelength_m * 1e9)
+        }
     }
 }
 
@@ -78,10 +93,17 @@ pub fn albedo_scale(scenario: &Scenario) -> f64 {
     if scenario.photometry.is_hapke() { 1.0 } else { 1.0 / SCALED_ALBEDO }
 }
 
+pub fn albedo_role(scenario: &Scenario) -> AlbedoRole {
+    match scenario.albedo {
+        Albedo::SingleScattering(_) => AlbedoRole::SingleScattering,
+        Albedo::Constant(_) | Albedo::Map(_) => AlbedoRole::Factor,
+    }
+}
+
 pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     let normal_albedo = match &scenario.albedo {
         Albedo::Constant(albedo) => *albedo,
-        Albedo::Map(_) => SCALED_ALBEDO,
+        Albedo::Map(_) | Albedo::SingleScattering(_) => SCALED_ALBEDO,
     };
     let reflectance = match scenario.photometry {
         Photometry::Lambert => Reflectance::Lambert { normal_albedo },

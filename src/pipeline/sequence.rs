@@ -1,17 +1,17 @@
-//! Labels that need an exposure's neighbours.
+//! Labels that need an exposure's neighbours: those at the same point of a sweep.
 
 use super::{Error, Exposure};
-use crate::labels::{self, Limits, Sequence, moved};
+use crate::labels::{self, Sequence, moved};
 use crate::render::planes::Radiometry;
 use crate::render::{Plane, Quantity, Renderer, Samples, Scene, View};
-use crate::scenario::Scenario;
+use crate::scenario::{Dem, Scenario};
 
 /// Refuses the change of shadows for a camera that moves.
 pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
     if !scenario.outputs.planes.contains(&Quantity::ShadowChange) {
         return Ok(());
     }
-    let moves = |index: usize| Some((index, moved(&exposures[index - 1].view, &exposures[index].view)?));
+    let moves = |index: usize| Some((index, moved(previous(exposures, index)?, &exposures[index].view)?));
     match (1..exposures.len()).find_map(moves) {
         Some((exposure, (moved_m, turned_rad))) => {
             Err(Error::CameraMoves { exposure, moved_m, turned_deg: turned_rad.to_degrees() })
@@ -20,42 +20,67 @@ pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
     }
 }
 
-/// Makes the labels of exposures, one after the other.
-#[derive(Debug)]
-pub struct Labels<'a> {
-    limits: &'a Limits,
+/// How many of the terrain's models, the finest, are made up below the posting of a measured one.
+pub fn invented_levels(scenario: &Scenario) -> usize {
+    let dems = scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    dems.iter().take_while(|dem| matches!(dem, Dem::Detail { .. })).count()
+}
+
+fn previous(exposures: &[Exposure], index: usize) -> Option<&View> {
+    beside(exposures, index, index.checked_sub(1)?)
+}
+
+fn beside(exposures: &[Exposure], index: usize, other: usize) -> Option<&View> {
+    let other = exposures.get(other).filter(|other| other.point == exposures[index].point);
+    other.map(|exposure| &exposure.view)
+}
+
+/// What the exposure before each sampled, where a label needs it.
+#[derive(Debug, Default)]
+pub struct Before {
     /// What the last exposure sampled, and which it was.
     last: Option<(usize, Vec<Radiometry>)>,
 }
 
-impl<'a> Labels<'a> {
-    pub fn new(scenario: &'a Scenario) -> Self {
-        Self { limits: &scenario.hazards, last: None }
-    }
-
-    /// The planes of exposure `index`, which sampled `samples`.
-    pub fn planes(
+impl Before {
+    /// Of the exposure before `index`.
+    pub fn pixels(
         &mut self,
         scene: &Scene,
         renderer: &mut dyn Renderer,
         exposures: &[Exposure],
         index: usize,
-        samples: Samples,
-    ) -> Result<Vec<Plane>, Error> {
-        let view = |index: Option<usize>| index.and_then(|index| exposures.get(index)).map(|exposure| &exposure.view);
-        let previous: Option<&View> = view(index.checked_sub(1));
-        let before = match previous {
-            Some(view) if scene.quantities.contains(&Quantity::ShadowChange) => match self.last.take() {
-                Some((last, pixels)) if last + 1 == index => Some(pixels),
+    ) -> Result<Option<Vec<Radiometry>>, Error> {
+        match previous(exposures, index) {
+            Some(view) if is_needed(scene) => match self.last.take() {
+                Some((last, pixels)) if last + 1 == index => Ok(Some(pixels)),
                 // The first of a part of a sequence: what is before it is not rendered otherwise.
-                _ => Some(renderer.samples(scene, view)?.pixels),
+                _ => Ok(Some(renderer.samples(scene, view)?.pixels)),
             },
-            _ => None,
-        };
-        let next = view(Some(index + 1));
-        let sequence = Sequence { previous, next, before: before.as_deref(), limits: self.limits };
-        let planes = labels::planes(scene, &exposures[index].view, &samples, &sequence);
-        self.last = Some((index, samples.pixels));
-        Ok(planes)
+            _ => Ok(None),
+        }
     }
+
+    pub fn keep(&mut self, scene: &Scene, index: usize, samples: &Samples) {
+        self.last = is_needed(scene).then(|| (index, samples.pixels.clone()));
+    }
+}
+
+fn is_needed(scene: &Scene) -> bool {
+    scene.quantities.contains(&Quantity::ShadowChange)
+}
+
+/// The labels of exposure `index`, before which `before` was sampled.
+pub fn planes(
+    scenario: &Scenario,
+    scene: &Scene,
+    exposures: &[Exposure],
+    index: usize,
+    samples: &Samples,
+    before: Option<&[Radiometry]>,
+) -> Vec<Plane> {
+    let (previous, next) = (previous(exposures, index), beside(exposures, index, index + 1));
+    let sequence =
+        Sequence { previous, next, before, limits: &scenario.hazards, invented_levels: invented_levels(scenario) };
+    labels::planes(scene, &exposures[index].view, samples, &sequence)
 }

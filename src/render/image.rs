@@ -8,8 +8,12 @@ use serde::{Deserialize, Serialize};
 pub enum Quantity {
     /// Radiance at the pupil, in the camera's band, averaged over the pixel.
     Radiance,
+    /// The same per nanometre of the camera's band.
+    SpectralRadiance,
     /// Irradiance of the ground facet by the visible part of the solar disc, averaged over the pixel.
     GroundIrradiance,
+    /// The same per nanometre of the camera's band.
+    SpectralGroundIrradiance,
     /// I/F: `π L / E`, with `E` the irradiance of a plane that faces the Sun.
     RadianceFactor,
     /// Irradiance of the focal plane by the optics.
@@ -80,12 +84,16 @@ pub enum Quantity {
     HazardSunlit,
     /// 1 where one of the limits of `hazards` is passed, 0 where a lander may stand.
     Hazard,
+    /// Height of made-up ground over the measured at the pixel's centre: of `Detail` in `terrain.dems`; 0 on measured ground.
+    InventedHeight,
 }
 
 impl Quantity {
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 40] = [
         Self::Radiance,
+        Self::SpectralRadiance,
         Self::GroundIrradiance,
+        Self::SpectralGroundIrradiance,
         Self::RadianceFactor,
         Self::FocalPlaneIrradiance,
         Self::DigitalNumber,
@@ -121,13 +129,16 @@ impl Quantity {
         Self::HazardRoughness,
         Self::HazardSunlit,
         Self::Hazard,
+        Self::InventedHeight,
     ];
 
     /// Names of the channels: ISIS `phocube` names where they exist.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Radiance => &["RADIANCE"],
+            Self::SpectralRadiance => &["SPECTRAL_RADIANCE"],
             Self::GroundIrradiance => &["GROUND_IRRADIANCE"],
+            Self::SpectralGroundIrradiance => &["SPECTRAL_GROUND_IRRADIANCE"],
             Self::RadianceFactor => &["RADIANCE_FACTOR"],
             Self::FocalPlaneIrradiance => &["FOCAL_PLANE_IRRADIANCE"],
             Self::DigitalNumber => &["DN"],
@@ -163,12 +174,20 @@ impl Quantity {
             Self::HazardRoughness => &["HAZARD_ROUGHNESS"],
             Self::HazardSunlit => &["HAZARD_SUNLIT"],
             Self::Hazard => &["HAZARD"],
+            Self::InventedHeight => &["INVENTED_HEIGHT"],
         }
+    }
+
+    /// Whether it is counted per nanometre, so that the camera needs a band.
+    pub fn is_spectral(self) -> bool {
+        matches!(self, Self::SpectralRadiance | Self::SpectralGroundIrradiance)
     }
 
     pub fn unit(self) -> &'static str {
         match self {
             Self::Radiance => "W m-2 sr-1",
+            Self::SpectralRadiance => "W m-2 sr-1 nm-1",
+            Self::SpectralGroundIrradiance => "W m-2 nm-1",
             Self::GroundIrradiance | Self::FocalPlaneIrradiance => "W m-2",
             Self::DigitalNumber | Self::NoiseFreeDigitalNumber => "DN",
             Self::RadianceFactor
@@ -184,7 +203,12 @@ impl Quantity {
             | Self::HazardSunlit
             | Self::Hazard => "1",
             Self::Flow | Self::FlowBack => "px",
-            Self::Depth | Self::Range | Self::Height | Self::GroundSampleDistance | Self::HazardRoughness => "m",
+            Self::Depth
+            | Self::Range
+            | Self::Height
+            | Self::GroundSampleDistance
+            | Self::HazardRoughness
+            | Self::InventedHeight => "m",
             Self::Latitude
             | Self::Longitude
             | Self::Incidence

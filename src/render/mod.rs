@@ -4,6 +4,8 @@
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
 //! [`planes`] makes the image.
 
+pub mod bounce;
+mod diffuse;
 pub mod image;
 pub mod layout;
 pub mod passes;
@@ -12,10 +14,12 @@ pub mod reference;
 pub mod refine;
 pub mod view;
 
+pub use bounce::Bounce;
+pub use diffuse::Diffuse;
 pub use image::{Image, Plane, Quantity};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{Ambient, Light, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Scene, Shadows, View};
 
 use std::time::Duration;
 
@@ -23,7 +27,8 @@ use crate::gpu::GpuError;
 use crate::horizon::Encoding;
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
-/// view on: another scene, or another number of lights, wants another renderer.
+/// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
+/// may change between views.
 pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;

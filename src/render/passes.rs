@@ -11,7 +11,6 @@ mod rays;
 mod skylines;
 mod upload;
 
-use std::f64::consts::PI;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -26,10 +25,10 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{RenderError, Renderer, Scene, Shadows, View, refine};
+use super::{AlbedoRole, Diffuse, RenderError, Renderer, Scene, Shadows, View, reference, refine};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL, SolarDisk};
+use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
@@ -55,7 +54,6 @@ pub struct Passes<'a> {
 #[derive(Debug)]
 struct Prepared {
     pipeline: ComputePipeline,
-    reflectance: Buffer,
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
@@ -91,12 +89,15 @@ impl Renderer for Passes<'_> {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
         let prepared = self.prepared.as_mut().expect("prepared above");
-        let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, view)?;
+        // Bounced light is found on the host, from the same shadows as the reference renderer's.
+        let shadow = scene.bounce.as_ref().and_then(|_| reference::shadow(scene, view));
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
+        let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, view, diffuse.as_ref())?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        refine::settle(scene, view, &mut samples);
+        refine::settle(scene, view, diffuse.as_ref(), &mut samples);
         Ok(samples)
     }
 }
@@ -117,10 +118,13 @@ impl Prepared {
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| PI * ambient.radiance_w_m2_sr)),
+            ("ALBEDO_IS_W", f64::from(u8::from(scene.albedo_role == AlbedoRole::SingleScattering))),
+            ("BARE_ALBEDO", scene.bare_albedo()),
+            ("SKY_W_M2", Diffuse::unit_w_m2(scene)),
+            ("BARE_SKY", Diffuse::bare_share(scene)),
             scene.reflectance.constant(),
         ];
-        constants.extend(SolarDisk::constants());
+        constants.extend(scene.disk.constants());
         let skylines = match scene.shadows.towards() {
             Some(_) => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
             None => None,
@@ -146,7 +150,6 @@ impl Prepared {
         }
         Ok(Self {
             pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
-            reflectance: gpu.storage("reflectance", &[scene.reflectance.parameters()]),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
@@ -154,7 +157,15 @@ impl Prepared {
         })
     }
 
-    fn dispatch(&mut self, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Dispatched, RenderError> {
+    fn dispatch(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        view: &View,
+        diffuse: Option<&Diffuse>,
+    ) -> Result<Dispatched, RenderError> {
+        let bounced = diffuse.filter(|_| scene.bounce.is_some());
+        let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
         let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &view.held_lights()));
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
@@ -170,6 +181,8 @@ impl Prepared {
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
+        // A sweep varies the albedo between views.
+        let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         for band in &self.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
@@ -184,7 +197,7 @@ impl Prepared {
                 &faces,
                 &levels,
                 &lights,
-                &self.reflectance,
+                &reflectance,
                 &self.disk_tables,
                 &self.ground.heights,
                 &self.ground.gradients[0],
@@ -194,7 +207,7 @@ impl Prepared {
                 &pixels_out,
                 &centres_out,
                 &self.ground.gradients[1],
-                &self.ground.skies,
+                bounced.as_ref().unwrap_or(&self.ground.skies),
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.

@@ -69,8 +69,13 @@ override LIGHTS: u32;
 // Where skylines come from: nowhere, series, fields of nodes, or runs over maximum mipmaps.
 override SKYLINES: u32;
 override ALBEDO_MAP: bool;
+// Whether its values are Hapke's w rather than factors on the reflectance; what stands where it has none.
+override ALBEDO_IS_W: bool;
+override BARE_ALBEDO: f32;
 // Irradiance of a facet that sees the whole sky.
 override SKY_W_M2: f32;
+// Share of it on ground without DEM heights.
+override BARE_SKY: f32;
 override GRADIENT_PAGE_BITS: u32;
 override MORE_GRADIENTS: bool;
 
@@ -180,8 +185,8 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     facet.position_m = view.camera_m.xyz + hit.distance_m * body_d;
     facet.normal = normalize(facet.position_m / (view.radii_m.xyz * view.radii_m.xyz));
     facet.up = facet.normal;
-    facet.albedo = 1.0;
-    facet.sky = 1.0;
+    facet.albedo = BARE_ALBEDO;
+    facet.sky = BARE_SKY;
     facet.gap = false;
     return facet;
 }
@@ -245,6 +250,16 @@ struct Sample {
     fraction: f32,
 }
 
+// Radiance over irradiance of ground with a value of the map of albedos.
+fn ground_sr(albedo: f32, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
+    if ALBEDO_MAP && ALBEDO_IS_W {
+        var ground = reflectance;
+        ground.single_scattering_albedo = clamp(albedo, 0.0, 1.0);
+        return brdf_sr(ground, mu0, mu, phase_cosine);
+    }
+    return albedo * brdf_sr(reflectance, mu0, mu, phase_cosine);
+}
+
 fn shade(facet: Facet, to_camera: vec3f) -> Sample {
     var sample = Sample(0.0, 0.0, 0.0);
     for (var index = 0u; index < LIGHTS; index++) {
@@ -260,7 +275,7 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
         if irradiance > 0.0 {
             let mu0 = min(irradiance / (light.irradiance_w_m2 * seen.fraction), 1.0);
             let mu = max(dot(facet.normal, to_camera), 0.0);
-            sample.radiance += facet.albedo * brdf_sr(reflectance, mu0, mu, dot(s, to_camera)) * irradiance;
+            sample.radiance += ground_sr(facet.albedo, mu0, mu, dot(s, to_camera)) * irradiance;
         }
         if index == 0u {
             sample.irradiance = irradiance;
@@ -269,7 +284,7 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
     }
     if SKY_W_M2 > 0.0 {
         let mu = max(dot(facet.normal, to_camera), 0.0);
-        sample.radiance += facet.albedo * brdf_sr(reflectance, 1.0, mu, mu) * SKY_W_M2 * facet.sky;
+        sample.radiance += ground_sr(facet.albedo, 1.0, mu, mu) * SKY_W_M2 * facet.sky;
     }
     return sample;
 }

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Image, Plane, Quantity, Scene, View, refine};
+use crate::camera::Detector;
 use crate::geometry::{BodyFixed, Direction, Position};
 use crate::terrain::{Ground, Hit};
 
@@ -35,7 +36,9 @@ impl Quantity {
         use Quantity::*;
         match self {
             Radiance
+            | SpectralRadiance
             | GroundIrradiance
+            | SpectralGroundIrradiance
             | RadianceFactor
             | FocalPlaneIrradiance
             | DigitalNumber
@@ -44,7 +47,8 @@ impl Quantity {
             | SunIlluminationMask
             | Hit
             | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard => true,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
+            | InventedHeight => true,
             EllipsoidIncidence
             | EllipsoidEmission
             | Slope
@@ -75,17 +79,23 @@ impl Quantity {
                 | HazardRoughness
                 | HazardSunlit
                 | Hazard
+                | InventedHeight
         )
     }
 }
 
 /// The planes of `scene.quantities`, but for labels.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
+    image_with(scene, scene.detector.as_ref(), view, samples)
+}
+
+/// As [`image`], with another detector than the scene's.
+pub fn image_with(scene: &Scene, detector: Option<&Detector>, view: &View, samples: &Samples) -> Image {
     let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
         let channels = match quantity {
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
-                vec![digital_numbers(scene, view, quantity, samples)]
+                vec![digital_numbers(scene, detector, view, quantity, samples)]
             }
             _ if quantity.is_geometric() => geometric_channels(scene, view, quantity, samples),
             _ => {
@@ -112,8 +122,14 @@ fn geometric_channels(scene: &Scene, view: &View, quantity: Quantity, samples: &
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where the scene has no detector.
-fn digital_numbers(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<f32> {
-    let Some(detector) = &scene.detector else { return Vec::new() };
+fn digital_numbers(
+    scene: &Scene,
+    detector: Option<&Detector>,
+    view: &View,
+    quantity: Quantity,
+    samples: &Samples,
+) -> Vec<f32> {
+    let Some(detector) = detector else { return Vec::new() };
     let light = by_pixel(scene, |index, pixel| {
         radiometric(scene, view, Quantity::FocalPlaneIrradiance, pixel, &samples.pixels[index])
     });
@@ -125,9 +141,12 @@ fn digital_numbers(scene: &Scene, view: &View, quantity: Quantity, samples: &Sam
 }
 
 fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+    let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
         Quantity::GroundIrradiance => mean.irradiance_w_m2,
+        Quantity::SpectralRadiance => per_nm(mean.radiance_w_m2_sr),
+        Quantity::SpectralGroundIrradiance => per_nm(mean.irradiance_w_m2),
         Quantity::SunFraction => mean.sun_fraction,
         Quantity::Hit => mean.hit,
         Quantity::SunIlluminationMask if mean.sun_fraction.is_nan() => f32::NAN,

@@ -11,14 +11,12 @@
 //!
 //! `passes` renders the same on the GPU; `tests/conformance` holds the two together.
 
-use std::f64::consts::PI;
-
 use glam::DVec2;
 use rayon::prelude::*;
 
 use super::planes::{Radiometry, Samples, normal};
 use super::refine::Settled;
-use super::{Light, RenderError, Renderer, Scene, Shadows, View};
+use super::{Diffuse, Light, RenderError, Renderer, Scene, Shadows, View};
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
 use crate::shadow::{Disc, Fetched, FourierMaps, MipmapRuns, Shadow, Site, Skylines, Traced};
@@ -35,12 +33,14 @@ impl Renderer for Reference {
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
         let shadow = shadow(scene, view);
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
+        let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
         let offsets = scene.sample_offsets();
         let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
         let pixels = (0..columns * rows)
             .into_par_iter()
-            .map(|index| mean(scene, view, shadow.as_deref(), pixel(index), &offsets))
+            .map(|index| mean(scene, view, lighting, pixel(index), &offsets))
             .collect();
         let centres = if scene.needs_centres() {
             (0..columns * rows).into_par_iter().map(|index| look(scene, view, pixel(index))).collect()
@@ -49,6 +49,13 @@ impl Renderer for Reference {
         };
         Ok(Samples { pixels, centres })
     }
+}
+
+/// What decides how bright the ground of a view is, besides the view's own lights.
+#[derive(Debug, Clone, Copy)]
+pub struct Lighting<'a> {
+    pub shadow: Option<&'a dyn Shadow>,
+    pub diffuse: Option<&'a Diffuse<'a>>,
 }
 
 /// The scene's method of shadows, with whatever it finds in advance for a view's lights.
@@ -84,12 +91,12 @@ fn look(scene: &Scene, view: &View, pixel: DVec2) -> Option<Hit> {
 }
 
 /// What a pixel's samples see on average.
-pub fn mean(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
+pub fn mean(scene: &Scene, view: &View, lighting: Lighting, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
     let mut sum = Sample::default();
     let mut hits = 0.0;
     for &offset in offsets {
         let Some(hit) = look(scene, view, pixel + offset) else { continue };
-        let sample = shade(scene, view, shadow, &hit);
+        let sample = shade(scene, view, lighting, &hit);
         sum.radiance += sample.radiance;
         sum.irradiance += sample.irradiance;
         sum.fraction += sample.fraction;
@@ -111,44 +118,44 @@ struct Sample {
 }
 
 /// Radiance towards the camera, and irradiance and share of the first light, at a hit.
-fn shade(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit: &Hit) -> Sample {
+fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
     if hit.ground == Ground::Gap {
         return Sample { radiance: f64::NAN, irradiance: f64::NAN, fraction: f64::NAN };
     }
     let to_camera = hit.position.direction_to(view.camera_position);
     let normal = normal(scene, hit);
-    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit));
+    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit, scene.bare_albedo()));
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
-        let lit = illuminate(scene, shadow, hit, normal, (index, light));
+        let lit = illuminate(scene, lighting.shadow, hit, normal, (index, light));
         let Some((to_camera, to_light)) = to_camera.zip(hit.position.direction_to(light.position)) else { continue };
         if lit.irradiance > 0.0 {
             let mu0 = (lit.irradiance / (light.irradiance_w_m2 * lit.fraction)).min(1.0);
             let mu = normal.unit().dot(to_camera.unit()).max(0.0);
             let cos_phase = to_light.unit().dot(to_camera.unit());
-            sample.radiance += albedo * scene.reflectance.brdf_sr(mu0, mu, cos_phase) * lit.irradiance;
+            sample.radiance += scene.brdf_sr(albedo, mu0, mu, cos_phase) * lit.irradiance;
         }
         if index == 0 {
             (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
         }
     }
-    if let Some((ambient, to_camera)) = scene.ambient.as_ref().zip(to_camera) {
+    if let Some((diffuse, to_camera)) = lighting.diffuse.zip(to_camera) {
         let mu = normal.unit().dot(to_camera.unit()).max(0.0);
-        let irradiance = PI * ambient.radiance_w_m2_sr * at_nodes(scene, &ambient.shares, hit);
-        sample.radiance += albedo * scene.reflectance.brdf_sr(1.0, mu, mu) * irradiance;
+        let irradiance = diffuse.unit_w_m2 * at_nodes(scene, &diffuse.shares, hit, diffuse.bare_share);
+        sample.radiance += scene.brdf_sr(albedo, 1.0, mu, mu) * irradiance;
     }
     sample
 }
 
-/// A number given at the nodes, bilinear at a hit; 1 beyond the terrain.
-fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit) -> f64 {
+/// A number given at the nodes, bilinear at a hit; `beyond` outside the terrain.
+pub(super) fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit, beyond: f64) -> f64 {
     match hit.ground {
         Ground::Dem { face, level, lifted } => {
             let grid_level = &scene.surface.terrain.faces[face].levels[level];
             let grid = grid_level.grid_from_map(lifted.truncate());
             grid_level.bilinear_of(&maps[face][level], grid).unwrap_or(f64::NAN)
         }
-        _ => 1.0,
+        _ => beyond,
     }
 }
 
@@ -172,6 +179,11 @@ pub fn site<'a>(
 struct Lit {
     irradiance: f64,
     fraction: f64,
+}
+
+/// Irradiance of the ground at a hit by one light of the view.
+pub fn irradiance_w_m2(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, light: (usize, &Light)) -> f64 {
+    illuminate(scene, shadow, hit, normal(scene, hit), light).irradiance
 }
 
 fn illuminate(

@@ -27,8 +27,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::planes::{Samples, normal};
-use super::reference::{self, site};
-use super::{Scene, Shadows, View};
+use super::reference::{self, Lighting, site};
+use super::{Diffuse, Scene, Shadows, View};
 use crate::photometry::DiskLight;
 use crate::shadow::{Disc, FourierMaps, Shadow, Site, Traced};
 use crate::terrain::{Ground, Hit};
@@ -84,7 +84,7 @@ pub fn sun_fraction_sigma(scene: &Scene, view: &View, hit: &Hit) -> f64 {
 }
 
 /// Renders again what a device's samples leave open.
-pub fn settle(scene: &Scene, view: &View, samples: &mut Samples) {
+pub fn settle(scene: &Scene, view: &View, diffuse: Option<&Diffuse>, samples: &mut Samples) {
     let Some(settled) = Settled::of(scene) else { return };
     let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
     let is_open = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| is_open(scene, view, &settled.maps, hit));
@@ -98,6 +98,7 @@ pub fn settle(scene: &Scene, view: &View, samples: &mut Samples) {
     let offsets = scene.sample_offsets();
     samples.pixels.par_iter_mut().enumerate().filter(|(index, _)| concerned(*index)).for_each(|(index, pixel)| {
         let at = DVec2::new((index % columns) as f64, (index / columns) as f64);
-        *pixel = reference::mean(scene, view, Some(&settled), at, &offsets);
+        let lighting = Lighting { shadow: Some(&settled), diffuse };
+        *pixel = reference::mean(scene, view, lighting, at, &offsets);
     });
 }

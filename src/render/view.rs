@@ -3,11 +3,11 @@
 use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
-use crate::photometry::{Reflectance, SolarDisk};
+use crate::photometry::{Hapke, Reflectance, SolarDisk};
 use crate::shadow::{Baked, HeldLight, Mipmaps, Towards};
 use crate::terrain::Surface;
 
-use super::Quantity;
+use super::{Bounce, Quantity};
 
 /// What stays the same from exposure to exposure.
 #[derive(Debug)]
@@ -17,18 +17,34 @@ pub struct Scene {
     /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
     pub refine: Option<crate::horizon::Settings>,
     pub reflectance: Reflectance,
-    /// What multiplies the reflectance at the nodes of each face's levels; `None`: nothing.
+    /// A number of the reflectance at the nodes of each face's levels; `None`: it is the same everywhere.
     pub albedo: Option<Vec<Vec<Vec<f32>>>>,
+    /// Which number that is.
+    pub albedo_role: AlbedoRole,
     /// Light from all of the sky; `None`: the sky is black.
     pub ambient: Option<Ambient>,
+    /// Sunlight that terrain reflects onto terrain; `None`: none.
+    pub bounce: Option<Bounce>,
     /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
     pub disk: SolarDisk,
+    /// `∫ T dλ` of the camera's response; `None`: all wavelengths count.
+    pub band_width_nm: Option<f64>,
     pub optics: Optics,
     /// Turns light into digital numbers, where any are asked for.
     pub detector: Option<Detector>,
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
     pub quantities: Vec<Quantity>,
+}
+
+/// What a map of albedos holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AlbedoRole {
+    /// What multiplies the reflectance.
+    #[default]
+    Factor,
+    /// Hapke's `w`.
+    SingleScattering,
 }
 
 /// A sky of the same radiance everywhere. The ground reflects its light as if it came along the normal.
@@ -116,6 +132,25 @@ impl View {
 }
 
 impl Scene {
+    /// Radiance over irradiance of ground where the map of albedos has a value; 1 or none where there is no map.
+    pub fn brdf_sr(&self, albedo: f64, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
+        match (self.albedo_role, self.reflectance) {
+            (AlbedoRole::SingleScattering, Reflectance::Hapke(hapke)) if self.albedo.is_some() => {
+                let ground = Hapke { single_scattering_albedo: albedo.clamp(0.0, 1.0), ..hapke };
+                Reflectance::Hapke(ground).brdf_sr(incidence_cosine, emission_cosine, phase_cosine)
+            }
+            (_, law) => albedo * law.brdf_sr(incidence_cosine, emission_cosine, phase_cosine),
+        }
+    }
+
+    /// What stands for the map's value where it has none: nothing changes, or the law's own `w`.
+    pub fn bare_albedo(&self) -> f64 {
+        match (self.albedo_role, self.reflectance) {
+            (AlbedoRole::SingleScattering, Reflectance::Hapke(hapke)) => hapke.single_scattering_albedo,
+            _ => 1.0,
+        }
+    }
+
     /// True where refinement or any of the quantities needs the ray through the pixel's centre.
     pub fn needs_centres(&self) -> bool {
         self.refine.is_some() || self.quantities.iter().any(|quantity| quantity.is_geometric())

@@ -3,10 +3,8 @@
 use super::resolve::Check;
 use super::resolved::{Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use crate::dataset::Format;
 use crate::labels::Limits;
-
-/// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
-const BAND_NM: [f64; 2] = [100.0, 20_000.0];
 
 /// 8192²: one float plane of it takes 256 MiB.
 const LARGEST_IMAGE_PIXELS: u64 = 1 << 26;
@@ -20,12 +18,6 @@ pub fn camera(written: &spec::Camera, check: &mut Check) -> Camera {
     let rule = "is not a square number, as are 1, 4, 9, 16";
     let samples = written.samples_per_pixel;
     check.rule(side * side == samples, "camera.samples_per_pixel", samples, rule);
-    if let Some((low, high)) = written.band_nm {
-        let [lowest, highest] = BAND_NM;
-        let rule = format!("must rise from its lower to its upper end within [{lowest}, {highest}] nm");
-        let rises = lowest <= low && low < high && high <= highest;
-        check.rule(rises, "camera.band_nm", format!("({low}, {high})"), rule);
-    }
     let middle = [f64::from(columns) / 2.0, f64::from(rows) / 2.0];
     Camera {
         columns,
@@ -35,7 +27,6 @@ pub fn camera(written: &spec::Camera, check: &mut Check) -> Camera {
         principal_point_px: written.principal_point.map_or(middle, |point| [point.column, point.row]),
         distortion: written.distortion,
         samples_per_pixel: written.samples_per_pixel,
-        band_m: written.band_nm.map(|(low, high)| [low * 1e-9, high * 1e-9]),
         f_number: written.f_number,
         transmission: written.transmission,
         exposure_s: written.exposure_s,
@@ -65,7 +56,7 @@ pub fn detector(spec: &Spec, check: &mut Check) -> Option<Detector> {
     let needs = "needs camera.pixel_pitch_um: electrons are counted per area of a pixel";
     check.needs(spec.camera.pixel_pitch_um.is_some(), "detector", needs);
     check.needs(
-        spec.camera.band_nm.is_some(),
+        spec.camera.band_nm.is_some() || spec.camera.response.is_some(),
         "detector",
         "needs camera.band_nm: a photon's energy is its wavelength's",
     );
@@ -81,6 +72,19 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
         let twice = planes[..index].contains(plane);
         check.rule(!twice, &format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")), "is listed twice");
     }
+    let band = spec.camera.band_nm.is_some() || spec.camera.response.is_some();
+    for (index, plane) in planes.iter().enumerate().filter(|(_, plane)| plane.is_spectral()) {
+        let key = format!("outputs.planes[{index}]");
+        check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
+    }
+    let formats = &spec.outputs.formats;
+    for (index, format) in formats.iter().enumerate() {
+        let twice = formats[..index].contains(format);
+        let key = format!("outputs.formats[{index}]");
+        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
+        check.needs(!of_craters || spec.landmarks.is_some(), &key, "needs landmarks, which it lists");
+    }
     spec.outputs.clone()
 }
 
@@ -88,10 +92,11 @@ pub fn outputs(spec: &Spec, check: &mut Check) -> Outputs {
 pub fn landmarks(spec: &Spec, check: &mut Check) -> Option<Landmarks> {
     let written = spec.landmarks.as_ref()?;
     let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
-    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. }));
+    let is_made = dems.iter().any(|dem| matches!(dem, spec::Dem::Synthetic { .. } | spec::Dem::Detail { .. }));
     let list = |(index, list): (usize, &spec::CraterList)| match list {
         spec::CraterList::Terrain => {
-            let needs = "needs a Synthetic model in terrain.dems; craters of measured terrain come from a File";
+            let needs =
+                "needs a Synthetic model or Detail in terrain.dems; craters of measured terrain come from a File";
             check.needs(is_made, &format!("landmarks.lists[{index}]"), needs);
             CraterList::Terrain
         }

@@ -15,10 +15,12 @@
 mod camera;
 mod error;
 mod files;
+mod light;
 mod motion;
 mod resolve;
 mod resolved;
 mod structure;
+mod sweep;
 mod tree;
 mod world;
 
@@ -31,3 +33,4 @@ pub use resolve::{About, load, resolve};
 pub use resolved::*;
 pub use spec::Spec;
 pub use structure::schema;
+pub use sweep::{Point, Sweep, Varied};

@@ -150,6 +150,7 @@ pub fn pointing(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Pointing
             Towards::Table(vec![(exposures.first().copied().unwrap_or_default(), attitude)])
         }
         spec::Towards::Table { points } => table(points, exposures, check),
+        spec::Towards::Aem { path } => Towards::Aem { path: check.file("pointing.towards.path", path) },
     };
     Pointing { towards, roll_rad: written.roll_deg.to_radians() }
 }

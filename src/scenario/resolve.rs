@@ -7,7 +7,7 @@ use super::files::{Found, Places};
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::tree::{self, Node, Place};
-use super::{camera, motion, structure, world};
+use super::{camera, light, motion, structure, sweep, world};
 
 /// Says what a file is and where it can be had, by its name.
 pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -137,7 +137,8 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         "refine",
         "needs shadows: Fourier or Baked, whose errors are known",
     );
-    Scenario {
+    let (sun, band) = light::light(spec, has_terrain, check);
+    let mut scenario = Scenario {
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
         text: text.into(),
@@ -151,17 +152,23 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         refine: spec.refine,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),
-        sun: world::sun(&spec.sun, has_terrain, check),
+        sun,
+        band,
         earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),
         ambient: spec.ambient,
+        bounce: spec.bounce,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
         camera: camera::camera(&spec.camera, check),
         detector: camera::detector(spec, check),
         exposures,
+        sweep: None,
+        split: spec.split.inspect(|split| sweep::check_split(split, check)),
         outputs: camera::outputs(spec, check),
         landmarks: camera::landmarks(spec, check),
         hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
-    }
+    };
+    scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));
+    scenario
 }

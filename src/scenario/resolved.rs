@@ -6,10 +6,14 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
+use super::sweep::Sweep;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::photometry::Curve;
 
-pub use super::spec::{Ambient, Detector, Distortion, HeightAbove, Outputs, Preview, Shadows, Sky, Values};
+pub use super::spec::{
+    Ambient, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Split, Values,
+};
 
 /// All that a run needs, as plain values.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,16 +39,23 @@ pub struct Scenario {
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
+    /// `None`: all wavelengths.
+    pub band: Option<Band>,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
     /// `None`: a black sky.
     pub ambient: Option<Ambient>,
+    /// `None`: no light from terrain to terrain.
+    pub bounce: Option<Bounce>,
     pub trajectory: Trajectory,
     pub pointing: Pointing,
     pub camera: Camera,
     pub detector: Option<Detector>,
     /// Strictly increasing, never empty.
     pub exposures: Vec<Epoch>,
+    /// `None`: the exposures are made once.
+    pub sweep: Option<Sweep>,
+    pub split: Option<Split>,
     pub outputs: Outputs,
     /// `None`: no landmarks are written.
     pub landmarks: Option<Landmarks>,
@@ -62,9 +73,33 @@ pub struct Terrain {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dem {
-    File { path: PathBuf, values: Values, posting_m: Option<f64>, extent_m: Option<f64> },
-    Synthetic { columns: u32, rows: u32, posting_m: f64, centre: Geodetic, seed: u64 },
-    Cube { path: PathBuf, values: Values, posting_m: Option<f64> },
+    File {
+        path: PathBuf,
+        values: Values,
+        posting_m: Option<f64>,
+        extent_m: Option<f64>,
+    },
+    Synthetic {
+        columns: u32,
+        rows: u32,
+        posting_m: f64,
+        centre: Geodetic,
+        seed: u64,
+    },
+    /// Continues the next model. `None`: about the middle of the first measured one.
+    Detail {
+        posting_m: f64,
+        extent_m: f64,
+        centre: Option<Geodetic>,
+        seed: u64,
+        craters: f64,
+        boulders_per_km2: f64,
+    },
+    Cube {
+        path: PathBuf,
+        values: Values,
+        posting_m: Option<f64>,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -102,16 +137,42 @@ impl Photometry {
 pub enum Albedo {
     Constant(f64),
     Map(PathBuf),
+    /// Of Hapke's `w`.
+    SingleScattering(PathBuf),
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sun {
     /// `None`: a uniform disc.
-    pub limb_darkening_wavelength_m: Option<f64>,
+    pub limb_darkening: Option<LimbDarkened>,
+    /// What the spectrum is called in records.
+    pub spectrum: String,
+    /// The file that it comes from; `None`: none, or one that is shipped.
+    pub table: Option<PathBuf>,
     /// At 1 au, in the camera's band.
     pub irradiance_w_m2: f64,
+    /// Whether the Earth may hide it from the Moon.
+    pub eclipses: bool,
     /// `None`: from the kernels.
     pub fixed: Option<FixedSun>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbDarkened {
+    pub law: LimbLaw,
+    pub wavelength_m: f64,
+}
+
+/// The wavelengths that count.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    pub response: Curve,
+    /// The response's file; `None`: the same response between two wavelengths.
+    pub path: Option<PathBuf>,
+    /// `∫ T dλ`
+    pub width_nm: f64,
+    /// Mean wavelength of sunlight in the band, weighted by energy.
+    pub wavelength_nm: f64,
 }
 
 /// A Sun held still in the sky of the terrain's centre.
@@ -186,6 +247,9 @@ pub enum Towards {
     AlongVelocity,
     /// `camera_from_body`, one per epoch, of length 1; a fixed attitude is a table of one.
     Table(Vec<(Epoch, DQuat)>),
+    Aem {
+        path: PathBuf,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -201,8 +265,6 @@ pub struct Camera {
     pub distortion: Option<Distortion>,
     /// A square number.
     pub samples_per_pixel: u32,
-    /// `None`: the whole spectrum.
-    pub band_m: Option<[f64; 2]>,
     pub f_number: f64,
     pub transmission: f64,
     pub exposure_s: f64,

@@ -1,13 +1,12 @@
-//! Resolves body, kernels, terrain, surface and Sun.
+//! Resolves body, kernels, terrain and surface.
 
 use std::path::PathBuf;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Dem, FixedSun, Horizon, Photometry, Sun, Terrain};
+use super::resolved::{Albedo, Dem, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
-use crate::quantity::ASTRONOMICAL_UNIT_M;
 
 /// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
 const LUNAR_ALBEDO: f64 = 0.12;
@@ -50,14 +49,16 @@ pub fn kernels(written: &[String], check: &mut Check) -> Vec<PathBuf> {
 }
 
 pub fn terrain(written: &spec::Terrain, check: &mut Check) -> Terrain {
-    let dems: Vec<Dem> = written.dems.iter().enumerate().map(|(index, dem)| resolved_dem(index, dem, check)).collect();
+    let centre = written.centre.map(|place| Geodetic::from_degrees(place.latitude_deg, place.longitude_deg, 0.0));
+    let resolved = |(index, dem)| resolved_dem(index, dem, centre, check);
+    let dems: Vec<Dem> = written.dems.iter().enumerate().map(resolved).collect();
     finest_first(&dems, check);
     one_synthetic_map(&dems, check);
-    let centre = written.centre.map(|place| Geodetic::from_degrees(place.latitude_deg, place.longitude_deg, 0.0));
+    detail_of_measured(&dems, check);
     Terrain { centre, dems }
 }
 
-fn resolved_dem(index: usize, written: &spec::Dem, check: &mut Check) -> Dem {
+fn resolved_dem(index: usize, written: &spec::Dem, centre: Option<Geodetic>, check: &mut Check) -> Dem {
     let key = format!("terrain.dems[{index}].path");
     match *written {
         spec::Dem::File { ref path, values, posting_m, extent_m } => {
@@ -65,6 +66,9 @@ fn resolved_dem(index: usize, written: &spec::Dem, check: &mut Check) -> Dem {
         }
         spec::Dem::Cube { ref path, values, posting_m } => {
             Dem::Cube { path: check.file(&key, path), values, posting_m }
+        }
+        spec::Dem::Detail { posting_m, extent_m, seed, craters, boulders_per_km2 } => {
+            Dem::Detail { posting_m, extent_m, centre, seed, craters, boulders_per_km2 }
         }
         spec::Dem::Synthetic { columns, rows, posting_m, latitude_deg, longitude_deg, seed } => Dem::Synthetic {
             columns,
@@ -92,6 +96,17 @@ fn finest_first(dems: &[Dem], check: &mut Check) {
     }
 }
 
+/// Made-up ground comes first, once, and continues a file.
+fn detail_of_measured(dems: &[Dem], check: &mut Check) {
+    for (index, dem) in dems.iter().enumerate() {
+        if matches!(dem, Dem::Detail { .. }) {
+            let continues = index == 0 && matches!(dems.get(1), Some(Dem::File { .. }));
+            let needs = "must be the first model and be followed by the File that it continues";
+            check.needs(continues, &format!("terrain.dems[{index}]"), needs);
+        }
+    }
+}
+
 /// Synthetic models continue each other, so they share a centre and lie inside each other.
 fn one_synthetic_map(dems: &[Dem], check: &mut Check) {
     let mut finer: Option<(usize, Geodetic, [f64; 2])> = None;
@@ -112,7 +127,7 @@ fn one_synthetic_map(dems: &[Dem], check: &mut Check) {
 fn posting_m(dem: &Dem) -> Option<f64> {
     match *dem {
         Dem::File { posting_m, .. } | Dem::Cube { posting_m, .. } => posting_m,
-        Dem::Synthetic { posting_m, .. } => Some(posting_m),
+        Dem::Synthetic { posting_m, .. } | Dem::Detail { posting_m, .. } => Some(posting_m),
     }
 }
 
@@ -140,22 +155,9 @@ pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
         None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
         Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
-    }
-}
-
-pub fn sun(written: &spec::Sun, has_terrain: bool, check: &mut Check) -> Sun {
-    let needs = "needs terrain: the Sun is held in the sky of the terrain's centre";
-    check.needs(written.fixed.is_none() || has_terrain, "sun.fixed", needs);
-    Sun {
-        limb_darkening_wavelength_m: match written.disc {
-            spec::Disc::Uniform => None,
-            spec::Disc::LimbDarkened { wavelength_nm } => Some(wavelength_nm * 1e-9),
-        },
-        irradiance_w_m2: written.irradiance_w_m2,
-        fixed: written.fixed.map(|fixed| FixedSun {
-            azimuth_rad: fixed.azimuth_deg.to_radians(),
-            elevation_rad: fixed.elevation_deg.to_radians(),
-            distance_m: fixed.range_au * ASTRONOMICAL_UNIT_M,
-        }),
+        Some(spec::Albedo::SingleScattering { path }) => {
+            check.needs(is_hapke, "surface.albedo", "needs one of the Hapke models: it is a map of their w");
+            Albedo::SingleScattering(check.file("surface.albedo.path", path))
+        }
     }
 }

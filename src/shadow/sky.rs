@@ -90,12 +90,13 @@ impl AllRound for Harmonic {
     }
 }
 
-fn directions(azimuths: usize) -> impl Iterator<Item = DVec2> {
+/// Directions on a map in even steps of azimuth, the first one north.
+pub fn directions(azimuths: usize) -> impl Iterator<Item = DVec2> {
     (0..azimuths).map(move |i| direction(TAU * i as f64 / azimuths as f64))
 }
 
 /// Map point and normal (map axes) of a seen node.
-fn facet(surface: &Surface, [face, level]: [usize; 2], [column, row]: [usize; 2]) -> (DVec2, DVec3) {
+pub fn facet(surface: &Surface, [face, level]: [usize; 2], [column, row]: [usize; 2]) -> (DVec2, DVec3) {
     let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
     let (column, row) = (column + nodes.margin, row + nodes.margin);
     let lifted = nodes.lifted_node(column, row);
@@ -103,7 +104,7 @@ fn facet(surface: &Surface, [face, level]: [usize; 2], [column, row]: [usize; 2]
 }
 
 /// The horizontal direction in space that is a unit direction on the map.
-fn tangent(map: &Gnomonic, at_m: DVec2, towards: DVec2) -> DVec3 {
+pub fn tangent(map: &Gnomonic, at_m: DVec2, towards: DVec2) -> DVec3 {
     let up = map.up(at_m).unit();
     (towards.extend(0.0) - up * up.dot(towards.extend(0.0))).normalize()
 }

@@ -42,6 +42,7 @@
 //! Rosenburg et al. (2011), JGR 116, E02001, doi:10.1029/2010JE003716, Hurst exponents and slopes.
 
 mod craters;
+mod detail;
 mod noise;
 mod profile;
 mod relief;
@@ -51,6 +52,7 @@ use rayon::prelude::*;
 
 pub use craters::Crater;
 use craters::Field;
+pub use detail::{Continued, Detail, Structure, continue_below};
 use relief::{Fractal, Massif};
 
 use crate::geometry::{Body, Geodetic};
@@ -296,9 +298,14 @@ impl Synthetic {
 
     /// The craters as comma-separated values.
     pub fn craters_csv(&self) -> String {
-        let header = "id,longitude_deg,latitude_deg,x_m,y_m,diameter_m,depth_m,degradation,buried\n";
-        self.craters.iter().fold(header.to_owned(), |text, crater| text + &crater.csv_line())
+        craters_csv(&self.craters)
     }
+}
+
+/// Craters as comma-separated values.
+pub fn craters_csv(craters: &[Crater]) -> String {
+    let header = "id,longitude_deg,latitude_deg,x_m,y_m,diameter_m,depth_m,degradation,buried\n";
+    craters.iter().fold(header.to_owned(), |text, crater| text + &crater.csv_line())
 }
 
 /// CRS and affine map with the centre of the raster on the centre asked for.

@@ -35,21 +35,46 @@ const STRUCTURE: &[Case] = &[
         "columns: 64,",
         "colums: 64, columns: 64,",
         "10:14: camera.colums is not a key here; did you mean columns?; allowed: band_nm, columns, distortion, \
-         exposure_s, f_number, field_of_view_deg, focal_length_mm, pixel_pitch_um, principal_point, rows, \
+         exposure_s, f_number, field_of_view_deg, focal_length_mm, pixel_pitch_um, principal_point, response, rows, \
          samples_per_pixel, transmission",
     ),
     Case(
         "unknown key at the top",
         "title: \"a test\"",
         "title: \"a test\", tides: 3",
-        "2:22: tides is not a key here; allowed: ambient, body, camera, detector, earthshine, exposures, \
-         frame, horizon, kernels, outputs, pointing, refine, seed, shadows, sun, surface, terrain, title, trajectory",
+        "2:22: tides is not a key here; allowed: ambient, body, bounce, camera, detector, earthshine, exposures, \
+         frame, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
+         trajectory",
     ),
     Case(
         "runs of too many mips",
         "title: \"a test\"",
         "title: \"a test\", shadows: MaximumMipmaps(runs: [5, 16])",
         "2:56: shadows.runs[1] = 16 is outside [1, 15]",
+    ),
+    Case(
+        "a spectrum without a band",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490)",
+        "2:38: sun.spectrum needs camera.band_nm or camera.response; without a band all of sunlight counts",
+    ),
+    Case(
+        "a spectrum and an irradiance",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (spectrum: E490, irradiance_w_m2: 500)",
+        "2:38: sun.spectrum contradicts irradiance_w_m2; give one of the two",
+    ),
+    Case(
+        "a band beyond the spectrum",
+        "columns: 64,",
+        "band_nm: (300, 700), columns: 64,",
+        "10:23: camera.band_nm reaches from 300 to 700 nm; TSIS-1 HSRS v2, 1 nm has 350 to 2500 nm",
+    ),
+    Case(
+        "limb darkening without a wavelength",
+        "title: \"a test\"",
+        "title: \"a test\", sun: (disc: LimbDarkened())",
+        "2:34: sun.disc needs wavelength_nm, or a camera with a band",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(
@@ -95,13 +120,13 @@ const STRUCTURE: &[Case] = &[
         "text for an enum",
         "towards: Nadir",
         "towards: \"Nadir\"",
-        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table",
+        "9:25: pointing.towards = \"Nadir\" is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem",
     ),
     Case(
         "misspelt variant",
         "towards: Nadir",
         "towards: Nadier",
-        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table; did you mean \
+        "9:25: pointing.towards = Nadier is not one of Nadir, At, AlongVelocity, Quaternion, Table, Aem; did you mean \
          Nadir?",
     ),
     Case(
@@ -114,9 +139,13 @@ const STRUCTURE: &[Case] = &[
         "unknown plane",
         "[radiance, depth]",
         "[radiance, dept]",
-        "12:34: outputs.planes[1] = dept is not one of radiance, ground_irradiance, radiance_factor, \
-         focal_plane_irradiance, digital_number, noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, \
-         normal, latitude, longitude, height, incidence, emission, phase, ground_sample_distance; did you mean depth?",
+        "12:34: outputs.planes[1] = dept is not one of radiance, spectral_radiance, ground_irradiance, \
+         spectral_ground_irradiance, radiance_factor, focal_plane_irradiance, digital_number, \
+         noise_free_digital_number, sun_fraction, sun_fraction_sigma, hit, dem_gap, depth, range, normal, latitude, \
+         longitude, height, incidence, emission, phase, ground_sample_distance, sun_illumination_mask, \
+         ellipsoid_incidence, ellipsoid_emission, slope, aspect, north_azimuth, sun_azimuth, subsolar_ground_azimuth, \
+         flow, covisible, flow_back, covisible_back, shadow_change, hazard_slope, hazard_roughness, hazard_sunlit, \
+         hazard, invented_height; did you mean depth?",
     ),
     Case(
         "variant without its content",
@@ -230,6 +259,49 @@ const RANGES: &[Case] = &[
 ];
 
 const MEANING: &[Case] = &[
+    Case(
+        "a format twice",
+        "planes: [radiance, depth]",
+        "formats: [Fits, Npz, Fits]",
+        "12:36: outputs.formats[2] = Fits is listed twice",
+    ),
+    Case(
+        "a sweep of nothing",
+        "pointing:",
+        "sweep: (design: Grid),\n    pointing:",
+        "9:12: sweep needs something that varies, as in sun_azimuth_deg: Range(from: 0, to: 360)",
+    ),
+    Case(
+        "a sweep of a Sun that the kernels place",
+        "pointing:",
+        "sweep: (design: Grid, sun_azimuth_deg: Values([10])),\n    pointing:",
+        "9:44: sweep.sun_azimuth_deg needs sun.fixed, which says the rest of where the Sun stands",
+    ),
+    Case(
+        "a grid without values",
+        "pointing:",
+        "sweep: (design: Grid, albedo: Range(from: 0.1, to: 0.2)),\n    pointing:",
+        "9:35: sweep.albedo needs Values or Steps: a grid has points at given values only",
+    ),
+    Case(
+        "an albedo above 1",
+        "pointing:",
+        "sweep: (design: Uniform(count: 3), albedo: Range(from: 0.1, to: 1.2)),\n    pointing:",
+        "9:48: sweep.albedo = 0.1 to 1.2 is not within [0, 1]",
+    ),
+    Case(
+        "a sweep without end",
+        "pointing:",
+        "sweep: (design: Grid, north_m: Steps(from: 0, to: 1, count: 1000), east_m: Steps(from: 0, to: 1, count: 1000)),\n    \
+         pointing:",
+        "9:21: sweep.design = 1000000 points make 4000000 images, at most 1000000 are allowed",
+    ),
+    Case(
+        "a split that is none",
+        "pointing:",
+        "split: (train: 0.8, validation: 0.1, test: 0.2, cell_m: 1000),\n    pointing:",
+        "9:12: split = 1.1000 is what train, validation and test add up to, want 1 within 0.001",
+    ),
     Case("empty title", "\"a test\"", "\" \"", "2:12: title = \"\" must say what the sequence shows"),
     Case(
         "two optics",

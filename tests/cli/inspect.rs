@@ -12,14 +12,20 @@ use tempfile::TempDir;
 fn dataset() -> TempDir {
     let folder = TempDir::new().unwrap();
     let run = Run { title: "a test".into(), name: "test".into(), ..Run::default() };
-    let settings = Settings { tiff: true, animation: true, overlay: false, white: White::Auto };
+    let settings = Settings { tiff: true, animation: true, overlay: false, white: White::Auto, formats: Vec::new() };
     let mut writer = Writer::open(folder.path(), run, 2, settings).unwrap();
     for index in 0..2 {
         let values = (0..8).map(|pixel| 2.0 * pixel as f32).collect();
         let planes = vec![Plane { quantity: Quantity::Radiance, name: "RADIANCE", values }];
         let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
         writer
-            .submit(Exposure { index, image: Image { columns: 4, rows: 2, planes }, facts, landmarks: None })
+            .submit(Exposure {
+                index,
+                image: Image { columns: 4, rows: 2, planes },
+                facts,
+                landmarks: None,
+                orthoimage: None,
+            })
             .unwrap();
     }
     writer.finish().unwrap();
@@ -69,7 +75,7 @@ fn a_dataset_tells_which_of_its_files_are_missing_or_changed() {
     std::fs::remove_file(folder.path().join("exposure_0001.png")).unwrap();
     let found = inspect(folder.path());
     assert_eq!(found["missing_or_changed"], serde_json::json!(["exposure_0001.png", "poses.csv"]));
-    assert_eq!((found["exposures"].as_u64(), found["files"].as_u64()), (Some(2), Some(11)));
+    assert_eq!((found["exposures"].as_u64(), found["files"].as_u64()), (Some(2), Some(12)));
 }
 
 #[test]

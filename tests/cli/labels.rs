@@ -118,3 +118,33 @@ fn shadow_changes_are_those_of_the_sun_and_of_a_camera_that_stands_still() {
     let said = String::from_utf8(moving.sim(&[]).stderr).unwrap();
     assert!(said.contains("shadow_change needs a camera that stands still; before exposure 1 it moves by"), "{said}");
 }
+
+#[test]
+fn ground_below_the_posting_of_a_file_is_made_listed_and_marked() {
+    let run = Run::of("");
+    let file = run.path("measured.tif");
+    let terrain = std::process::Command::new(env!("CARGO_BIN_EXE_sim"))
+        .args(["terrain", "--columns", "96", "--rows", "96", "--posting", "40", "--seed", "5", "-o"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(terrain.status.success());
+    let synthetic = "Synthetic(columns: 128, rows: 128, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 1),";
+    let models = r#"Detail(posting_m: 10, extent_m: 900, seed: 2), File(path: "measured.tif"),"#;
+    let scenario = SMALL.replace(synthetic, models).replace("dem_gap]", "invented_height, latitude]");
+    std::fs::write(run.path("small.ron"), with(&scenario, "landmarks: (smallest_px: 1)")).unwrap();
+    run.succeed(&["--frames", "3..4"]);
+    let image = exposure(&run, 3);
+    let invented = plane(&image, "INVENTED_HEIGHT");
+    // 900 m below: 655 m across are seen, all of them made up; in the middle of it nothing fades.
+    let rms_m = (invented.iter().map(|height_m| height_m * height_m).sum::<f32>() / invented.len() as f32).sqrt();
+    assert!((0.05..20.0).contains(&rms_m), "{rms_m}");
+    let text = std::fs::read_to_string(run.path("out/exposure_0003.landmarks.json")).unwrap();
+    assert!(text.contains("\"origin\": \"invented\""), "{text}");
+    let manifest = std::fs::read_to_string(run.path("out/manifest.json")).unwrap();
+    assert!(manifest.contains("share_of_squared_slope"), "{manifest}");
+
+    std::fs::write(run.path("small.ron"), scenario.replace(r#" File(path: "measured.tif"),"#, "")).unwrap();
+    let said = String::from_utf8(run.sim(&[]).stderr).unwrap();
+    assert!(said.contains("terrain.dems[0] must be the first model and be followed by the File"), "{said}");
+}

@@ -48,7 +48,7 @@ fn degrees_millimetres_and_steps_become_radians_metres_and_epochs() {
     assert_eq!((scenario.exposures[23] - scenario.exposures[0]).to_seconds(), 276.0);
     assert_eq!(scenario.camera.focal_length_px, 1200.0);
     assert_eq!(scenario.camera.principal_point_px, [512.0, 512.0]);
-    assert!((scenario.sun.limb_darkening_wavelength_m.unwrap() - 550e-9).abs() < 1e-20);
+    assert!((scenario.sun.limb_darkening.unwrap().wavelength_m - 550e-9).abs() < 1e-20);
     let Trajectory::Waypoints { points, height_above } = &scenario.trajectory else { panic!("no waypoints") };
     assert_eq!(*height_above, HeightAbove::Terrain);
     assert_eq!(points[5].point.latitude_rad, (-87.00428_f64).to_radians());

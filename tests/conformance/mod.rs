@@ -1,7 +1,7 @@
 //! Shaders against their references: layout, and function by function.
 //!
 //! A [`Comparison`] calls one WGSL function on many inputs and holds what it returns against `f64`. Without an
-//! adapter these tests are skipped with the reason; `SIM_REQUIRE=gpu` turns that into a failure.
+//! adapter these tests are skipped with the reason; `SIM_REQUIRE` with `gpu` in it turns that into a failure.
 
 mod directional;
 mod horizon;
@@ -22,7 +22,7 @@ pub fn gpu() -> Option<&'static Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
     match GPU.get_or_init(|| Gpu::open(Adapter::Auto).map_err(|error| error.to_string())) {
         Ok(gpu) => Some(gpu),
-        Err(reason) if std::env::var("SIM_REQUIRE").is_ok_and(|wanted| wanted == "gpu") => panic!("{reason}"),
+        Err(reason) if crate::required("gpu") => panic!("{reason}"),
         Err(reason) => {
             println!("skipped: {reason}");
             None

@@ -21,8 +21,12 @@ fn source() -> String {
 }
 
 fn shader(alpha: f64, law: &Reflectance) -> Shader {
-    let constants = SolarDisk::constants().into_iter().chain([law.constant()]).collect();
-    let table = disk(alpha).tables().into_iter().map(f32::to_bits).collect();
+    shader_of(&disk(alpha), law)
+}
+
+fn shader_of(disk: &SolarDisk, law: &Reflectance) -> Shader {
+    let constants = disk.constants().into_iter().chain([law.constant()]).collect();
+    let table = disk.tables().into_iter().map(f32::to_bits).collect();
     Shader { source: source(), constants, declared: "disk_tables: array<f32>", table }
 }
 
@@ -180,8 +184,8 @@ fn comparison(
 fn solar_disk_comparisons(alpha: f64) -> Vec<Comparison> {
     let quarter = spread(1000, &[(-1.57, 1.57)]);
     let line = [spread(1000, &[(-1.2, 1.2)]), vec![vec![-1.0], vec![1.0], vec![0.0], vec![-1e6], vec![1e6]]].concat();
-    let disks = [(); 8].map(|()| disk(alpha));
-    let [d0, d1, d2, d3, d4, d5, d6, d7] = disks;
+    let disks = [(); 9].map(|()| disk(alpha));
+    let [d0, d1, d2, d3, d4, d5, d6, d7, d8] = disks;
     let crossing: Vec<Vec<f32>> = line_inputs()
         .into_iter()
         .filter(|x| lines_cross(&x.iter().map(|&x| f64::from(x)).collect::<Vec<_>>()))
@@ -294,6 +298,17 @@ fn solar_disk_comparisons(alpha: f64) -> Vec<Comparison> {
             disk_inputs(),
             (5e-5, 0.0),
             move |x| disk_light(&d6, x),
+        ),
+        comparison(
+            "part_light",
+            "let a = half_plane(-x[0], vec2f(-x[1], 1.0)); let b = half_plane(x[2], vec2f(x[3], x[4]));
+            let l = part_light(a, b); y[0] = l.fraction; y[1] = l.moment.x; y[2] = l.moment.y;",
+            spread(1000, &[(-0.9, 0.9), (-0.3, 0.3), (-0.9, 0.9), (-1.0, 1.0), (0.1, 1.0)])
+                .into_iter()
+                .filter(|x| x[2].abs() < 0.99 * x[3].hypot(x[4]))
+                .collect(),
+            (5e-5, 0.0),
+            move |x| disk_light(&d8, x),
         ),
         comparison(
             "irradiance_factor",
@@ -468,6 +483,26 @@ fn the_disc_agrees_for_other_exponents_too() {
             let outcome = comparison.check(&comparison.run(gpu, &shader));
             println!("alpha {alpha} {}", outcome.unwrap_or_else(|error| panic!("alpha {alpha}: {error}")));
         }
+    }
+}
+
+/// A polynomial in the cosine has six parts, whose weights sum to 3.6 in magnitude: so much wider is the bound.
+#[test]
+fn a_disc_of_several_parts_agrees_too() {
+    let Some(gpu) = gpu() else { return };
+    for wavelength_nm in [330.0, 579.88, 1000.0] {
+        let disk = SolarDisk::new(LimbDarkening::neckel_labs(wavelength_nm).unwrap()).unwrap();
+        let shader = shader_of(&disk, &moon());
+        let call = "let l = disk_light(x[0], x[1], vec3f(x[2], x[3], x[4])); y[0] = l.fraction; y[1] = l.moment.x; y[2] = l.moment.y;";
+        let one_part = SolarDisk::new(LimbDarkening::hestroffer_magnan(550.0).unwrap()).unwrap();
+        let right = comparison("disk_light", call, disk_inputs(), (1.8e-4, 0.0), move |x| disk_light(&disk, x));
+        let rows = right.run(gpu, &shader);
+        println!(
+            "{wavelength_nm} nm {}",
+            right.check(&rows).unwrap_or_else(|error| panic!("{wavelength_nm}: {error}"))
+        );
+        let wrong = comparison("disk_light", call, disk_inputs(), (1.8e-4, 0.0), move |x| disk_light(&one_part, x));
+        assert!(wrong.check(&rows).is_err(), "another law passes");
     }
 }
 

@@ -47,6 +47,7 @@ fn smaller(scenario: Scenario) -> Scenario {
             Dem::Synthetic { columns, rows, posting_m, .. } => {
                 (*columns, *rows, *posting_m) = (*columns / 4, *rows / 4, 4.0 * *posting_m);
             }
+            Dem::Detail { posting_m, .. } => *posting_m *= 4.0,
             Dem::Cube { posting_m, .. } => *posting_m = Some(15_000.0),
         }
     }
@@ -59,7 +60,7 @@ fn the_pass_renders_the_shipped_scenarios_as_the_reference_does() {
     let full = std::env::var_os("SIM_FULL").map(PathBuf::from);
     let temporary = tempfile::tempdir().unwrap();
     let cache = full.as_deref().unwrap_or(temporary.path());
-    for name in ["lunar_descent", "connecting_ridge", "full_disc", "orbit_pass", "mars_gale"] {
+    for name in ["lunar_descent", "connecting_ridge", "full_disc", "orbit_pass", "mars_gale", "shadowed_crater"] {
         let Some(scenario) = load(&format!("{name}.ron")) else { continue };
         let scenario = if full.is_some() { scenario } else { smaller(scenario) };
         let mut prepared = pipeline::prepare(&scenario, cache, &Silent).unwrap();

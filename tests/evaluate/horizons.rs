@@ -12,7 +12,7 @@ fn swept_profiles_are_those_of_the_same_pixels_and_azimuths() {
     let scene = Scene::synthetic(192, 3).unwrap();
     let settings = Settings { azimuths: 72, ..Settings::default() };
     let pixels = Sample::of(&scene.face.levels[0], 64, settings.azimuths).pixels;
-    let (truth, mut tried) = (traced(&scene, &settings, &pixels), searched(&scene, &settings, &pixels));
+    let (truth, mut tried) = (traced(&scene, &settings, &pixels), searched(&scene, &settings, &pixels).unwrap());
     let found = errors(&truth, &tried);
     assert!(found.p95.to_degrees() < 0.03, "{found:?}");
     assert!(shadows(&truth, &tried, 6f64.to_radians()).unwrap().wrong < 1e-3);

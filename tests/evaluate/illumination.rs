@@ -71,7 +71,7 @@ fn mapped(face: &Face, encoding: Encoding, lit: Lit) -> Maps {
 fn swept(face: &Face, azimuths: usize, areas: &[Vec<bool>]) -> (Maps, Vec<Series>) {
     let settings = Settings { azimuths, ..Settings::default() };
     let held = perilune::illumination::maps::needed_blocks(&face.levels[0], areas);
-    let skylines = Skylines::Swept(Swept::new(face, 0, &settings, held, &|_, _| {}));
+    let skylines = Skylines::Swept(Swept::new(face, 0, &settings, held, &|_, _| {}).unwrap());
     studied(face, &skylines, Lit::AnyLimb, areas)
 }
 
@@ -125,7 +125,7 @@ fn maps_are_those_of_traced_skylines() {
     };
     let held = (0..25).collect();
     let settings = Settings { azimuths: 720, ..settings };
-    let of_sweep = errors(&Skylines::Swept(Swept::new(&face, 0, &settings, held, &|_, _| {})));
+    let of_sweep = errors(&Skylines::Swept(Swept::new(&face, 0, &settings, held, &|_, _| {}).unwrap()));
     assert_eq!(of_sweep.nodes, 40);
     assert!(of_sweep.disc_share.rms < 3e-4 && of_sweep.disc_share.largest < 1e-3, "{of_sweep:?}");
     // A step of 2000 more or less.

@@ -2,5 +2,6 @@
 
 mod horizons;
 mod illumination;
+mod radiometry;
 mod shadows;
 mod stability;

@@ -3,6 +3,7 @@ mod bound;
 mod closed_forms;
 mod encodings;
 mod exact;
+mod gpu;
 mod programs;
 mod scene;
 mod sweep;

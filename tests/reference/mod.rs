@@ -1,6 +1,8 @@
 //! Against others: closed forms, other programs, published values.
 
+mod bounce;
 mod default_kernels;
+mod detail;
 mod ephemeris;
 mod flow;
 mod globe;

@@ -162,7 +162,7 @@ pub fn run(args: Args) -> Outcome {
             let held = needed_blocks(level, &areas);
             check_memory(&args, held.len())?;
             bars.begin("horizons", settings.azimuths, "azimuths");
-            Skylines::Swept(Swept::new(face, 0, &settings, held, &heard))
+            Skylines::Swept(Swept::new(face, 0, &settings, held, &heard)?)
         }
     };
     let swept_s = start.elapsed().as_secs_f64();

@@ -1,13 +1,16 @@
+use super::desk::read_record;
 use super::*;
-use crate::render::Plane;
+use crate::render::{Plane, Quantity};
 use std::collections::BTreeMap;
+use std::fs;
 use tempfile::TempDir;
 
 fn run() -> Run {
     Run { title: "a test".into(), name: "test".into(), ..Run::default() }
 }
 
-const SETTINGS: Settings = Settings { tiff: true, animation: true, overlay: true, white: White::Auto };
+const SETTINGS: Settings =
+    Settings { tiff: true, animation: true, overlay: true, white: White::Auto, formats: Vec::new() };
 
 fn open(folder: &Path) -> Writer {
     Writer::open(folder, run(), 4, SETTINGS).unwrap()
@@ -20,7 +23,8 @@ fn exposure(index: usize) -> Exposure {
         Plane { quantity: Quantity::Depth, name: "DEPTH", values: values(1e3) },
     ];
     let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
-    Exposure { index, image: Image { columns: 8, rows: 6, planes }, facts, landmarks: None }
+    let image = Image { columns: 8, rows: 6, planes };
+    Exposure { index, image, facts, landmarks: None, orthoimage: None }
 }
 
 fn write(folder: &Path, indices: impl IntoIterator<Item = usize>) -> Summary {
@@ -43,7 +47,7 @@ fn a_sequence_has_all_its_files_and_no_others() {
     assert_eq!(summary.exposures, 4);
     let names: Vec<String> = files(folder.path()).into_keys().collect();
     let mut expected: Vec<String> =
-        ["contact_sheet.png", "manifest.json", "poses.csv", "preview.gif"].map(String::from).into();
+        ["contact_sheet.png", "dataset_card.md", "manifest.json", "poses.csv", "preview.gif"].map(String::from).into();
     for index in 0..4 {
         expected.extend(["exr", "json", "png", "tif"].map(|extension| format!("exposure_{index:04}.{extension}")));
     }
@@ -127,7 +131,10 @@ fn files_of_other_programs_stay() {
     fs::write(folder.path().join("manifest.json.partial"), "half").unwrap();
     open(folder.path()).finish().unwrap();
     let names: Vec<String> = files(folder.path()).into_keys().collect();
-    assert_eq!(names, ["a.partial", "exposure_notes.txt", "manifest.json", "notes.txt", "poses.csv"]);
+    assert_eq!(
+        names,
+        ["a.partial", "dataset_card.md", "exposure_notes.txt", "manifest.json", "notes.txt", "poses.csv"]
+    );
 }
 
 #[test]

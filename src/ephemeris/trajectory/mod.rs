@@ -20,6 +20,9 @@ pub use oem::Oem;
 pub use two_body::{Elements, TwoBody};
 pub use waypoints::{SplineEnds, Waypoints};
 
+/// How far outside its span a message is asked without complaint, in seconds: instants in text and in doubles are rounded.
+pub(super) const SLACK_S: f64 = 1e-6;
+
 /// A path through space.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Trajectory {

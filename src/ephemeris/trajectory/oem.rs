@@ -14,10 +14,11 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use hifitime::{Epoch, TimeScale};
+use hifitime::{Epoch, TimeScale, Unit};
 
-use super::TrajectoryError;
+use super::{SLACK_S, TrajectoryError};
 use crate::ephemeris::epoch::parse_in_scale;
+use crate::ephemeris::names::INERTIAL_FRAMES;
 use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, body_id, utc_text};
 use crate::geometry::{BodyFixed, Position};
 
@@ -25,7 +26,6 @@ const M_PER_KM: f64 = 1000.0;
 const DEFAULT_DEGREE: usize = 7;
 /// Higher degrees oscillate between equal steps.
 const DEGREE_AT_MOST: usize = 27;
-const INERTIAL_FRAMES: [&str; 3] = ["ICRF", "EME2000", "J2000"];
 
 /// A message: segments of states.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +86,9 @@ impl Oem {
         frame: &BodyFrame,
         epoch: Epoch,
     ) -> Result<(Position<BodyFixed>, DVec3), TrajectoryError> {
-        let holds = |segment: &&Segment| (segment.useable_from..=segment.useable_until).contains(&epoch);
+        let slack = SLACK_S * Unit::Second;
+        let holds =
+            |segment: &&Segment| (segment.useable_from - slack..=segment.useable_until + slack).contains(&epoch);
         // Where segments meet, the later one begins.
         let segment = self.segments.iter().rev().find(holds).ok_or_else(|| {
             let (from, until) = self.span();
@@ -310,8 +312,6 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use std::fmt::Write;
-
-    use hifitime::Unit;
 
     use super::*;
 

@@ -57,7 +57,7 @@ pub fn rows(scene: &Scene, settings: &Settings, runs: usize) -> Result<Option<Ve
         let Some(seconds) = horizon_seconds(&folder.path, 17 + 67 * run) else { return Ok(None) };
         speeds[0].push((level.columns * level.rows) as f64 / seconds * 1e-6);
         for (method, speeds) in [Method::Sweep, Method::Exact].into_iter().zip(&mut speeds[1..]) {
-            speeds.push(searched(scene, &Settings { method, ..*settings }, 12, run));
+            speeds.push(searched(scene, &Settings { method, ..*settings }, 12, run)?);
         }
     }
     drop(pinned);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Table, Value};
+use crate::evaluate::{Error, Table, Value};
 use crate::horizon::Settings;
 use crate::horizon::method::Search;
 use crate::horizon::sweep::grid::Major;
@@ -51,10 +51,10 @@ pub fn traced(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Prof
 }
 
 /// What the search that the settings name says.
-pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Profiles {
+pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Result<Profiles, Error> {
     let mut profiles = vec![vec![0.0; settings.azimuths]; pixels.len()];
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(&scene.face, 0, major, settings);
+        let search = Search::new(&scene.face, 0, major, settings)?;
         let along: Vec<usize> =
             (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect();
         let stride = search.receivers().stride;
@@ -62,18 +62,18 @@ pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Pr
             Major::Row => row * stride + column,
             Major::Column => column * stride + row,
         };
-        let columns: Vec<(usize, Vec<f32>)> = along
+        let columns = along
             .into_par_iter()
             .map(|azimuth| {
-                let plane = search.elevations_rad(settings.direction(azimuth));
-                (azimuth, pixels.iter().map(|pixel| plane[at(pixel)]).collect())
+                let plane = search.elevations_rad(settings.direction(azimuth))?;
+                Ok((azimuth, pixels.iter().map(|pixel| plane[at(pixel)]).collect()))
             })
-            .collect();
+            .collect::<Result<Vec<(usize, Vec<f32>)>, Error>>()?;
         for (azimuth, values) in columns {
             profiles.iter_mut().zip(values).for_each(|(profile, value)| profile[azimuth] = f64::from(value));
         }
     }
-    profiles
+    Ok(profiles)
 }
 
 /// Errors of all azimuths of all pixels.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::evaluate::machine::thread_seconds;
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::median;
-use crate::evaluate::{Table, Value};
+use crate::evaluate::{Error, Table, Value};
 use crate::horizon::measure::Sample;
 use crate::horizon::method::Search;
 use crate::horizon::sweep::grid::Major;
@@ -36,12 +36,12 @@ pub fn table() -> Table {
 
 /// Speeds of sweep, exact search and trace: each the median of `runs` of `azimuths` each, with the slowest and the
 /// fastest. The methods take turns, so that a machine that slows down slows all of them.
-pub fn rows(scene: &Scene, settings: &Settings, runs: usize, azimuths: usize) -> Vec<Vec<Value>> {
+pub fn rows(scene: &Scene, settings: &Settings, runs: usize, azimuths: usize) -> Result<Vec<Vec<Value>>, Error> {
     let labels = ["swept", "exact", "traced"];
     let mut speeds = labels.map(|_| Vec::new());
     for run in 0..runs {
         for (method, speeds) in [Method::Sweep, Method::Exact].into_iter().zip(&mut speeds) {
-            speeds.push(searched(scene, &Settings { method, ..*settings }, azimuths, run));
+            speeds.push(searched(scene, &Settings { method, ..*settings }, azimuths, run)?);
         }
         speeds[2].push(traced(scene, settings, azimuths));
     }
@@ -52,11 +52,11 @@ pub fn rows(scene: &Scene, settings: &Settings, runs: usize, azimuths: usize) ->
         row.extend([median(speeds), ends[0], ends[1]].map(Value::from));
         row
     };
-    labels.into_iter().zip(speeds).map(row).collect()
+    Ok(labels.into_iter().zip(speeds).map(row).collect())
 }
 
 /// Millions of samples a second on one core, over azimuths spread evenly, others in every run.
-pub fn searched(scene: &Scene, settings: &Settings, azimuths: usize, run: usize) -> f64 {
+pub fn searched(scene: &Scene, settings: &Settings, azimuths: usize, run: usize) -> Result<f64, Error> {
     let step = settings.azimuths / azimuths.min(settings.azimuths);
     let chosen = |major: Major| {
         let all = (0..settings.azimuths).skip((7 * run + 3) % step).step_by(step);
@@ -64,15 +64,15 @@ pub fn searched(scene: &Scene, settings: &Settings, azimuths: usize, run: usize)
     };
     let (mut seconds, mut samples) = (0.0, 0);
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(&scene.face, 0, major, settings);
+        let search = Search::new(&scene.face, 0, major, settings)?;
         for direction in chosen(major) {
-            seconds += spent(|| {
-                black_box(search.elevations_rad(direction));
-            });
+            let mut found = Ok(Vec::new());
+            seconds += spent(|| found = black_box(search.elevations_rad(direction)));
+            found?;
             samples += scene.receivers();
         }
     }
-    samples as f64 / seconds * 1e-6
+    Ok(samples as f64 / seconds * 1e-6)
 }
 
 /// The same of the trace, at a few pixels.

@@ -252,7 +252,7 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
     for &azimuths in azimuths {
         progress.begin(&format!("{azimuths} azimuths"), azimuths, "azimuths");
         let start = Instant::now();
-        let swept = Swept::new(face, 0, &Settings { azimuths, ..settings }, held.clone(), &heard);
+        let swept = Swept::new(face, 0, &Settings { azimuths, ..settings }, held.clone(), &heard)?;
         let made_s = start.elapsed().as_secs_f64();
         row(format!("swept, {azimuths}"), 2.0 * azimuths as f64, made_s, &Skylines::Swept(swept));
     }
@@ -312,7 +312,7 @@ impl Claim {
         let settings = Settings { azimuths: AZIMUTHS, observer_height_m: self.height_m, ..Settings::default() };
         let heard = |done: usize, total: usize| progress.at(done, total);
         progress.begin(&format!("{}, {}", self.place, scene.name), AZIMUTHS, "azimuths");
-        let swept = Swept::new(face, 0, &settings, needed_blocks(level, &areas), &heard);
+        let swept = Swept::new(face, 0, &settings, needed_blocks(level, &areas), &heard)?;
         let skylines = Skylines::Swept(swept);
         progress.begin(&format!("{}, {}", self.place, self.span.text), 1, "strips");
         let study =

@@ -70,9 +70,12 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
         albedo: None,
         ambient: None,
+        albedo_role: Default::default(),
+        bounce: None,
         disk: disk(0.0),
         optics,
         detector: None,
+        band_width_nm: None,
         samples_per_side: 1,
         quantities: vec![Quantity::Radiance, Quantity::Range],
     }

@@ -75,20 +75,28 @@ impl Shape<'_> {
 /// `Gnomonic::elevation_tangent` and `sphere::skyline_beyond`.
 #[inline(always)]
 pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
-    let mut tangents = [0.0; LANES];
-    let mut falls = [0.0; LANES];
+    let (mut tangents, mut lower) = ([0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
         tangents[i] = tangent(place, i, heights[i], slopes[i]);
-        falls[i] = -tangents[i];
+        lower[i] = below_the_dip(place, i, heights[i], tangents[i]);
     }
-    // The bare sphere never rises above the local horizontal.
-    if largest(&falls) > 0.0 {
+    if largest(&lower) > 0.0 {
         for i in 0..LANES {
             tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
         }
     }
-    for tangent in &mut tangents {
-        *tangent = atan(*tangent);
+    let mut sizes = [0.0; LANES];
+    for i in 0..LANES {
+        sizes[i] = tangents[i].abs();
+    }
+    if largest(&sizes) > 1.0 {
+        for tangent in &mut tangents {
+            *tangent = atan(*tangent);
+        }
+    } else {
+        for tangent in &mut tangents {
+            *tangent = atan_of_gentle(tangent.abs()).copysign(*tangent);
+        }
     }
     tangents
 }
@@ -98,13 +106,25 @@ fn minor_of(place: &Place, lane: usize) -> f32 {
     place.minor + lane as f32 * place.spacing
 }
 
+/// `(s r/R + q)/√(1 − q²)` with one root and one division: `q = p/√k`, `r/R = √k/(1 − h)`.
 #[inline(always)]
 fn tangent(place: &Place, lane: usize, height: f32, slope: f32) -> f32 {
     let minor = minor_of(place, lane);
-    let inverse_cos = (1.0 + place.major * place.major + minor * minor).sqrt();
-    let q = (place.major * place.direction[0] + minor * place.direction[1]) / inverse_cos;
-    let radius_ratio = inverse_cos / (1.0 - height);
-    (slope * radius_ratio + q) / (1.0 - q * q).sqrt()
+    let k = 1.0 + place.major * place.major + minor * minor;
+    let p = place.major * place.direction[0] + minor * place.direction[1];
+    let depth = 1.0 - height;
+    (slope * k + p * depth) / (depth * (k - p * p).sqrt())
+}
+
+/// Positive where the bare sphere may rise above a tangent: it never rises above the dip of the observer's height,
+/// `tan² = (K − M²)/M²` ([`crate::horizon::sphere`]), nor, seen from below it, above the local horizontal.
+#[inline(always)]
+fn below_the_dip(place: &Place, lane: usize, height: f32, tangent: f32) -> f32 {
+    let minor = minor_of(place, lane);
+    let above = place.major * place.major + minor * minor + height * (2.0 - height);
+    let drop = if tangent < 0.0 { tangent * (1.0 - height) } else { 0.0 };
+    // Short of the dip by its rounding.
+    drop.mul_add(drop, -0.9999 * larger(above, 0.0))
 }
 
 #[inline(always)]
@@ -131,12 +151,19 @@ fn sphere_slope(place: &Place, lane: usize, h: f32) -> f32 {
     }
 }
 
-/// Arc tangent to 1e-7 rad: Abramowitz & Stegun 4.4.49 on [0, 1], with its own inverse beyond.
+/// Arc tangent to 1e-7 rad, beyond 1 by that of the inverse.
 #[inline(always)]
 pub fn atan(tangent: f32) -> f32 {
     let size = tangent.abs();
     let steep = size > 1.0;
-    let z = if steep { 1.0 / size } else { size };
+    let angle = atan_of_gentle(if steep { 1.0 / size } else { size });
+    let angle = if steep { std::f32::consts::FRAC_PI_2 - angle } else { angle };
+    angle.copysign(tangent)
+}
+
+/// Arc tangent on [0, 1]: Abramowitz & Stegun 4.4.49.
+#[inline(always)]
+fn atan_of_gentle(z: f32) -> f32 {
     let s = z * z;
     let series = [
         0.002_866_225_7,
@@ -152,9 +179,7 @@ pub fn atan(tangent: f32) -> f32 {
     for coefficient in &series[1..] {
         sum = sum * s + coefficient;
     }
-    let angle = z + z * s * sum;
-    let angle = if steep { std::f32::consts::FRAC_PI_2 - angle } else { angle };
-    angle.copysign(tangent)
+    z + z * s * sum
 }
 
 #[cfg(test)]

@@ -4,13 +4,17 @@
 //! height, interpolated between the two lines beside it.
 
 use super::far::{Far, RING};
-use super::grid::ABSENT_M;
+use super::grid::LANES;
 use super::hull::{Hull, Point};
 use super::line::Line;
+use super::near::largest;
 use super::wide::Registers;
 
 /// Coarse lines per coarse posting.
 const LINES: f64 = 2.0;
+
+/// Slopes below this lead to nothing.
+const NOWHERE: f32 = -1e9;
 
 /// Hulls of what a coarser level adds beyond the ring, on lines half its posting apart.
 #[derive(Debug)]
@@ -49,23 +53,55 @@ impl Beyond {
         Self { first_m, spacing_m, minor: far.ray.minor, search_x: far.search_x(), hulls }
     }
 
-    /// Slope of the skyline from a receiver at `(x, y)`; NaN where it lies beyond the search distance.
+    /// Slopes of the skyline from receivers at `x`, the first at `y`, the others `step_m` apart; NaN where it lies beyond the
+    /// search distance.
     #[inline(always)]
-    pub fn slope(&self, registers: Registers, x_m: f64, y_m: f64, height_m: f32) -> f32 {
-        let line = (y_m - self.minor * x_m - self.first_m) / self.spacing_m;
-        let low = line.floor();
-        let share = (line - low) as f32;
-        let receiver = Point { x: x_m as f32, height_m };
-        let (a, b) =
-            (self.tangent(registers, low as usize, receiver), self.tangent(registers, low as usize + 1, receiver));
-        (1.0 - share) * a + share * b
+    pub fn slopes(
+        &self,
+        registers: Registers,
+        x_m: f64,
+        y_m: f64,
+        step_m: f64,
+        observers_m: &[f32; LANES],
+    ) -> [f32; LANES] {
+        let lines: [f64; LANES] =
+            std::array::from_fn(|lane| (y_m + lane as f64 * step_m - self.minor * x_m - self.first_m) / self.spacing_m);
+        let mut slopes = [0.0; LANES];
+        let last = (lines[LANES - 1] as usize + 1).min(self.hulls.len() - 1);
+        for line in lines[0] as usize..=last {
+            let tangents = self.tangents(registers, line, x_m as f32, observers_m);
+            for lane in 0..LANES {
+                let share = 1.0 - (lines[lane] - line as f64).abs() as f32;
+                slopes[lane] += if share > 0.0 { share * tangents[lane] } else { 0.0 };
+            }
+        }
+        slopes
     }
 
+    /// Slopes to one line: the steepest of those to all vertices between the ones that the tangents from the lowest and
+    /// from the highest receiver touch.
     #[inline(always)]
-    fn tangent(&self, registers: Registers, line: usize, receiver: Point) -> f32 {
-        let touch = self.hulls[line].tangent_beyond(registers, receiver);
-        let run_m = touch.x - receiver.x;
-        let lost = run_m > self.search_x && touch.height_m > ABSENT_M;
-        if lost { f32::NAN } else { (touch.height_m - receiver.height_m) / run_m }
+    fn tangents(&self, registers: Registers, line: usize, x: f32, observers_m: &[f32; LANES]) -> [f32; LANES] {
+        let mut depths_m = [0.0; LANES];
+        for lane in 0..LANES {
+            depths_m[lane] = -observers_m[lane];
+        }
+        let (lowest_m, highest_m) = (-largest(&depths_m), largest(observers_m));
+        let (mut slopes, mut runs_m) = ([f32::NEG_INFINITY; LANES], [0.0; LANES]);
+        for vertex in self.hulls[line].touched_between(registers, x, [lowest_m, highest_m]) {
+            let run_m = vertex.x - x;
+            let inverse = 1.0 / run_m;
+            for lane in 0..LANES {
+                let slope = (vertex.height_m - observers_m[lane]) * inverse;
+                let steeper = slope > slopes[lane];
+                slopes[lane] = if steeper { slope } else { slopes[lane] };
+                runs_m[lane] = if steeper { run_m } else { runs_m[lane] };
+            }
+        }
+        for lane in 0..LANES {
+            let lost = runs_m[lane] > self.search_x && slopes[lane] > NOWHERE;
+            slopes[lane] = if lost { f32::NAN } else { slopes[lane] };
+        }
+        slopes
     }
 }

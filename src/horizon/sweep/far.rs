@@ -10,14 +10,14 @@
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
 
-use super::Receivers;
 use super::grid::{Grid, LANES};
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
 use super::near::{larger, largest};
 use super::profile::Profile;
 use super::ray::Ray;
-use super::wide::Registers;
+use super::wide::{Registers, larger_of};
+use super::{NEAR, Receivers};
 
 /// Lines worked on side by side.
 const LINES: usize = LANES;
@@ -27,6 +27,9 @@ pub const BLOCK: usize = LINES - 1;
 pub const RING: f64 = 32.0;
 /// Error of interpolating between two lines above which a receiver searches its own: 0.01°.
 const AGREEMENT: f32 = 2e-4;
+
+/// Seen at this slope or less from the nearest receiver, the surface between two rows is their chord: 0.003°.
+const UNSEEN: f32 = 5e-5;
 
 /// Points of a line this close to each other, in steps, are one.
 const LEAST: f64 = 1e-3;
@@ -60,6 +63,20 @@ pub struct Seats<'a> {
     pub from: usize,
     pub to: usize,
     pub observers_m: &'a [f32; LANES],
+}
+
+/// What the hulls of a block say. It is read some time after it was written, word by word, so that the processor need not
+/// wait for the words to become vectors.
+#[derive(Debug)]
+pub struct Asked {
+    /// Where the row to be added lies, and the heights of the lines on it.
+    x: f32,
+    heights_m: [f32; LINES],
+    /// The vertices that its tangents touch.
+    touched: [usize; LINES],
+    farther: [Point; LINES],
+    /// Where the tangents of each receiver touch the lines below and above it.
+    touches: [[Point; LINES]; 2],
 }
 
 /// The lines of a block.
@@ -131,76 +148,82 @@ impl<'a> Far<'a> {
         Row { u, x: steps as f32 * self.fine().posting_m as f32, low: block.start + low, share: v - low as f64 }
     }
 
-    /// Adds the row `along` steps from the near side to the hulls of a block, once they have served the receivers at
-    /// `seats`, whose slopes, in metres per metre along the major axis, are raised to the far ones: NaN where the
-    /// tangent touches beyond the search distance.
+    /// Adds the row `along` steps from the near side to the hulls of a block that serves nobody.
     #[inline(always)]
-    pub fn advance(
-        &self,
-        registers: Registers,
-        along: isize,
-        block: &mut Block,
-        seats: Option<(Seats, &mut [f32; LANES])>,
-    ) {
-        let fine = self.fine();
+    pub fn advance(&self, registers: Registers, along: isize, block: &mut Block) {
         let row = self.row(block, along);
-        let crosses =
-            (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
-        let heights_m = if crosses { sample(fine, &row) } else { [LOWEST_M; LINES] };
-        if crosses && along + 1 < fine.majors as isize {
-            self.push_columns(registers, &row, &heights_m, block);
-        }
-        block.beyond_m = heights_m;
-        match seats {
-            Some((seats, slopes)) => self.serve(registers, &row, &heights_m, block, &seats, slopes),
-            None if crosses => {
-                for k in 0..LINES {
-                    block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
-                }
-            }
-            None => (),
+        let Some(heights_m) = self.approach(registers, &row, along, block) else { return };
+        for k in 0..LINES {
+            block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
         }
     }
 
-    /// Raises the slopes of receivers, and adds the row `ahead`.
+    /// Heights of a block's lines on a row, once what lies between it and the row beyond is pushed; `None` where no
+    /// line crosses it.
     #[inline(always)]
-    fn serve(
-        &self,
-        registers: Registers,
-        ahead: &Row,
-        ahead_m: &[f32; LINES],
-        block: &mut Block,
-        seats: &Seats,
-        slopes: &mut [f32; LANES],
-    ) {
+    fn approach(&self, registers: Registers, row: &Row, along: isize, block: &mut Block) -> Option<[f32; LINES]> {
+        let fine = self.fine();
+        let crosses =
+            (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
+        if !crosses {
+            block.beyond_m = [LOWEST_M; LINES];
+            return None;
+        }
+        let heights_m = sample(fine, row);
+        if along + 1 < fine.majors as isize {
+            self.push_columns(registers, row, &heights_m, block);
+        }
+        block.beyond_m = heights_m;
+        Some(heights_m)
+    }
+
+    /// Asks the hulls of a block where the tangents of the receivers at `seats` touch, and those of the row `along` steps
+    /// from the near side, which is to be added next.
+    #[inline(always)]
+    pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, seats: &Seats) -> Asked {
+        let row = self.row(block, along);
+        let heights_m = self.approach(registers, &row, along, block).unwrap_or([LOWEST_M; LINES]);
+        let mut asked = Asked {
+            x: row.x,
+            heights_m,
+            touched: [0; LINES],
+            farther: [Point::default(); LINES],
+            touches: [[Point::default(); LINES]; 2],
+        };
         let (x, observers_m) = (seats.row.x, seats.observers_m);
-        // Where the tangents of each receiver touch the lines below and above it.
-        let mut touches = [[Point::default(); LINES]; 2];
         let mut lower_m = observers_m[0];
-        let (mut touched, mut farther) = ([0; LINES], [Point::default(); LINES]);
         for k in 0..LINES {
             let from = [
-                Point { x: ahead.x, height_m: ahead_m[k] },
+                Point { x: row.x, height_m: heights_m[k] },
                 Point { x, height_m: lower_m },
                 Point { x, height_m: observers_m[k] },
             ];
             let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
-            (touched[k], farther[k]) = (vertex, hidden);
-            touches[0][k] = below;
+            (asked.touched[k], asked.farther[k]) = (vertex, hidden);
+            asked.touches[0][k] = below;
             // The first line lies above no receiver: its touch is overwritten.
-            touches[1][k.saturating_sub(1)] = above;
+            asked.touches[1][k.saturating_sub(1)] = above;
             lower_m = observers_m[k];
         }
+        asked
+    }
+
+    /// Adds the row that was `asked` for, and raises the slopes of the receivers, in metres per metre along the major axis,
+    /// to the far ones: NaN where the tangent touches beyond the search distance.
+    #[inline(always)]
+    pub fn answer(&self, block: &mut Block, seats: &Seats, asked: &Asked, slopes: &mut [f32; LANES]) {
+        let (x, observers_m) = (seats.row.x, seats.observers_m);
+        let Asked { x: ahead_x, heights_m: ahead_m, touched, farther, touches } = asked;
         let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
-            [lines[k], intercepts_m[k]] = Point { x: ahead.x, height_m: ahead_m[k] }.line_to(farther[k]);
+            [lines[k], intercepts_m[k]] = Point { x: *ahead_x, height_m: ahead_m[k] }.line_to(farther[k]);
         }
         for k in 0..LINES {
-            block.hulls[k].put(touched[k], Point { x: ahead.x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
+            block.hulls[k].put(touched[k], Point { x: *ahead_x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
         }
         // A receiver lies `1 − share` above its lower line.
         let share = seats.row.share as f32;
-        let ahead_run_m = ahead.x - x;
+        let ahead_run_m = ahead_x - x;
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
         let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
         let search_x = self.search_x();
@@ -290,14 +313,17 @@ impl<'a> Far<'a> {
         let far: &[f32; LINES] = fine.lanes(row.u + self.ray.sign, row.low + column);
         let (along, rest) = (along as f32, 1.0 - along as f32);
         let x = row.x + along * fine.posting_m as f32;
-        let mut above_m = [LOWEST_M; LINES];
+        let unseen_m = UNSEEN * NEAR as f32 * fine.posting_m as f32;
+        let (mut heights_between_m, mut least_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
-            let height_m = rest * near[k] + along * far[k];
-            let chord_m = rest * heights_m[k] + along * block.beyond_m[k];
-            above_m[k] = if height_m > chord_m { height_m } else { LOWEST_M };
+            heights_between_m[k] = rest * near[k] + along * far[k];
+            least_m[k] = rest * heights_m[k] + along * block.beyond_m[k] + unseen_m;
         }
-        for k in 0..LINES {
-            block.hulls[k].push(registers, Point { x, height_m: above_m[k] });
+        let mut standing = larger_of(registers, &heights_between_m, &least_m);
+        while standing != 0 {
+            let k = standing.trailing_zeros() as usize % LINES;
+            standing &= standing - 1;
+            block.hulls[k].push(registers, Point { x, height_m: heights_between_m[k] });
         }
     }
 

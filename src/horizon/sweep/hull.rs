@@ -125,16 +125,18 @@ impl Hull {
         (a, [self.points[a % CAPACITY], self.points[b % CAPACITY], self.points[c % CAPACITY]])
     }
 
-    /// Where the tangent from a receiver touches, which some of the nearest points may lie behind: those do not count.
+    /// The vertices that the tangents from receivers at `x` between two heights touch, some of the nearest points lying behind
+    /// them: those do not count.
     #[inline(always)]
-    pub fn tangent_beyond(&self, registers: Registers, receiver: Point) -> Point {
+    pub fn touched_between(&self, registers: Registers, x: f32, [low_m, high_m]: [f32; 2]) -> &[Point] {
         let points = &self.points[WINDOW..self.length];
         let ahead = match points.last() {
-            Some(nearest) if nearest.x <= receiver.x => points.partition_point(|point| point.x > receiver.x),
+            Some(nearest) if nearest.x <= x => points.partition_point(|point| point.x > x),
             _ => points.len(),
         };
-        let [touched] = self.touched(registers, WINDOW + ahead, [receiver]);
-        self.points[touched]
+        let from = [low_m, high_m].map(|height_m| Point { x, height_m });
+        let [nearest, farthest] = self.touched(registers, WINDOW + ahead, from);
+        &self.points[farthest..=nearest]
     }
 
     /// The vertices among the farthest `length` that tangents touch.
@@ -149,22 +151,29 @@ impl Hull {
             touched[i] = (length - WINDOW + count).wrapping_sub(1);
             fewest = fewest.min(count);
         }
-        if fewest == 0 { self.touched_deep(length, from) } else { touched }
+        if fewest == 0 {
+            for i in 0..N {
+                touched[i] = self.touched_deep(registers, length, from[i].x, from[i].height_m);
+            }
+        }
+        touched
     }
 
-    /// [`Self::touched`] by halving, where more than a window of vertices lies above one.
+    /// [`Self::touched`] where more than a window of vertices lies above one: window by window.
     #[cold]
     #[inline(never)]
-    fn touched_deep<const N: usize>(&self, length: usize, from: [Point; N]) -> [usize; N] {
-        from.map(|point| {
-            let (mut seen, mut hidden) = (WINDOW - 1, length);
-            while hidden - seen > 1 {
-                let middle = seen.midpoint(hidden);
-                let above = self.slopes[middle].mul_add(point.x, self.intercepts_m[middle]) >= point.height_m;
-                *(if above { &mut seen } else { &mut hidden }) = middle;
+    fn touched_deep(&self, registers: Registers, length: usize, x: f32, height_m: f32) -> usize {
+        let mut end = length;
+        loop {
+            let start = end.saturating_sub(WINDOW);
+            let intercepts_m = self.intercepts_m[start..start + WINDOW].first_chunk().expect("WINDOW");
+            let slopes = self.slopes[start..start + WINDOW].first_chunk().expect("WINDOW");
+            // Every point lies below the lines of the first window.
+            match lines_above(registers, intercepts_m, slopes, x, height_m) {
+                0 => end = start,
+                count => return start + count as usize - 1,
             }
-            seen
-        })
+        }
     }
 }
 
@@ -209,9 +218,11 @@ mod tests {
         for (x, height_m) in [(300.0, 30.0), (200.0, 28.0), (100.0, 20.0)] {
             hull.push(Registers::Any, Point { x, height_m });
         }
-        let from = |x| Point { x, height_m: 0.0 };
-        assert_eq!(hull.tangent_beyond(Registers::Any, from(150.0)), Point { x: 200.0, height_m: 28.0 });
-        assert_eq!(hull.tangent_beyond(Registers::Any, from(50.0)), Point { x: 100.0, height_m: 20.0 });
-        assert_eq!(Hull::default().tangent_beyond(Registers::Any, from(0.0)), NOTHING);
+        let touched = |hull: &Hull, x, heights_m| hull.touched_between(Registers::Any, x, heights_m).to_vec();
+        assert_eq!(touched(&hull, 150.0, [0.0, 0.0]), [Point { x: 200.0, height_m: 28.0 }]);
+        assert_eq!(touched(&hull, 50.0, [0.0, 0.0]), [Point { x: 100.0, height_m: 20.0 }]);
+        let farther = [Point { x: 200.0, height_m: 28.0 }, Point { x: 100.0, height_m: 20.0 }];
+        assert_eq!(touched(&hull, 50.0, [0.0, 20.0]), farther);
+        assert_eq!(touched(&Hull::default(), 0.0, [0.0, 0.0]), [NOTHING]);
     }
 }

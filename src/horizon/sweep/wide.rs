@@ -85,6 +85,30 @@ fn lines_above_avx512(c: &[f32; 16], s: &[f32; 16], x: f32, height: f32) -> u32 
     u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(heights, _mm512_set1_ps(height)).count_ones() as u16)
 }
 
+/// A bit for each of 32 numbers that is larger than another one.
+#[inline(always)]
+pub fn larger_of(registers: Registers, numbers: &[f32; 32], others: &[f32; 32]) -> u32 {
+    match registers {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `widest` says so only where the processor has the instructions.
+        Registers::Avx512 => unsafe { larger_of_avx512(numbers, others) },
+        Registers::Any => (0..32).fold(0, |bits, i| bits | u32::from(numbers[i] > others[i]) << i),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx2,fma,bmi2,popcnt")]
+#[inline]
+fn larger_of_avx512(numbers: &[f32; 32], others: &[f32; 32]) -> u32 {
+    use std::arch::x86_64::{_CMP_GT_OQ, _mm512_cmp_ps_mask, _mm512_loadu_ps};
+    let half = |start: usize| {
+        // SAFETY: 16 numbers are there to be read from either start.
+        let (a, b) = unsafe { (_mm512_loadu_ps(numbers[start..].as_ptr()), _mm512_loadu_ps(others[start..].as_ptr())) };
+        u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b))
+    };
+    half(0) | half(16) << 16
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::angle::{Place, elevations_rad};

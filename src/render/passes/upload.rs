@@ -134,9 +134,7 @@ impl Store {
         self.maxima_m.extend(pyramid.mips.iter().flat_map(|mip| &mip.maxima_m));
         for (stored, values) in [&mut self.albedos, &mut self.skies].into_iter().zip(at_nodes) {
             let Some(values) = values else { continue };
-            let seen = full.margin..full.rows - full.margin;
-            let cut = |row: usize| full.index(full.margin, row)..full.index(full.columns - full.margin, row);
-            stored.extend(seen.flat_map(|row| &values[cut(row)]));
+            stored.extend(seen_values(full, values));
         }
         if let Some(map) = horizon {
             shader.has_horizon = 1;
@@ -146,6 +144,18 @@ impl Store {
         }
         self.levels.push(PackedLevel { shader, face, level });
     }
+}
+
+/// A number given at the nodes of a level, at its seen nodes.
+fn seen_values<'a>(level: &'a Level, values: &'a [f32]) -> impl Iterator<Item = &'a f32> {
+    let cut = |row: usize| level.index(level.margin, row)..level.index(level.columns - level.margin, row);
+    (level.margin..level.rows - level.margin).flat_map(move |row| &values[cut(row)])
+}
+
+/// A number given at the nodes of each face's levels, as the device keeps it.
+pub fn seen(surface: &Surface, maps: &[Vec<Vec<f32>>]) -> Vec<f32> {
+    let levels = surface.terrain.faces.iter().zip(maps).flat_map(|(face, maps)| face.levels.iter().zip(maps));
+    levels.flat_map(|(level, values)| seen_values(level, values)).copied().collect()
 }
 
 impl PackedLevel {

@@ -1,6 +1,7 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
 mod output;
+mod sweep;
 mod view;
 mod world;
 
@@ -8,12 +9,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{
     Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
 };
 pub use world::{
-    Albedo, Ambient, Body, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, Photometry, Shadows,
-    Sky, Sun, Surface, Terrain, Values,
+    Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
+    Photometry, Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
@@ -58,6 +60,9 @@ pub struct Spec {
     /// Light from all of the sky. Default: none.
     #[serde(default)]
     pub ambient: Option<Ambient>,
+    /// Sunlight that terrain reflects onto terrain, once. Default: none.
+    #[serde(default)]
+    pub bounce: Option<Bounce>,
     /// Where the camera is.
     pub trajectory: Trajectory,
     /// Where the camera looks.
@@ -70,6 +75,12 @@ pub struct Spec {
     pub detector: Option<Detector>,
     /// When images are taken.
     pub exposures: Exposures,
+    /// Makes all exposures at many points: Suns, places, albedos. Default: none.
+    #[serde(default)]
+    pub sweep: Option<Sweep>,
+    /// Which images are for training, validation and test. Default: not said.
+    #[serde(default)]
+    pub split: Option<Split>,
     /// What is written.
     #[serde(default)]
     pub outputs: Outputs,

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::dataset::Format;
 use crate::render::Quantity;
 
 /// What turns light into digital numbers (EMVA 1288).
@@ -44,6 +45,9 @@ pub struct Outputs {
     pub planes: Vec<Quantity>,
     /// Writes the planes as float TIFF too, one page each; OpenEXR is always written.
     pub tiff: bool,
+    /// Files for the readers of other fields, besides OpenEXR, PNG and JSON, which are always written.
+    #[schemars(length(max = 16))]
+    pub formats: Vec<Format>,
     /// Scale of the preview images.
     pub preview: Preview,
     /// Writes the previews as an animation.
@@ -55,6 +59,7 @@ impl Default for Outputs {
         Self {
             planes: vec![Quantity::Radiance, Quantity::SunFraction, Quantity::Depth, Quantity::Hit],
             tiff: false,
+            formats: Vec::new(),
             preview: Preview::Auto,
             animation: true,
         }

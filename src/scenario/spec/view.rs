@@ -156,6 +156,11 @@ pub enum Towards {
         #[schemars(length(min = 1, max = 1_000_000))]
         points: Vec<Pose>,
     },
+    /// A CCSDS attitude ephemeris message: quaternions between a frame of space or of the body and the camera's.
+    Aem {
+        /// The file, in key-value notation.
+        path: String,
+    },
 }
 
 /// An attitude at a time: the quaternion `camera_from_body`, scalar first, Hamilton's. It is of length 1 within 1e-3.
@@ -214,6 +219,10 @@ pub struct Camera {
     /// Wavelengths between which the camera is sensitive, within 100 to 20 000 nm. Default: the whole spectrum.
     #[serde(default)]
     pub band_nm: Option<(f64, f64)>,
+    /// Instead of `band_nm` a file of two columns: wavelength in nm, and the share of the light that counts, 0 to 1, of
+    /// filters and detector together. `detector.quantum_efficiency` is then that where the share is 1.
+    #[serde(default)]
+    pub response: Option<String>,
     /// Focal length over the diameter of the aperture.
     #[serde(default = "f_number")]
     #[schemars(range(min = 0.5, max = 128.0))]

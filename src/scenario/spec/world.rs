@@ -96,6 +96,27 @@ pub enum Dem {
         #[serde(default)]
         seed: u64,
     },
+    /// Made-up ground below the posting of the measured model that comes next: it goes on with that one's roughness, and has small
+    /// craters and boulders. Means over the measured posting stay. Craters of it are landmarks that are marked invented.
+    Detail {
+        /// Distance of neighbouring heights: at most half of the measured model's.
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: f64,
+        /// Side of the square about the terrain's centre.
+        #[schemars(range(min = 1.0, max = 1e6))]
+        extent_m: f64,
+        /// Another seed is other ground.
+        #[serde(default)]
+        seed: u64,
+        /// Craters per area, in units of the equilibrium density.
+        #[serde(default = "one")]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        craters: f64,
+        /// Boulders of more than 1 m; their number falls with the cube of their size, up to 10 m.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1e6))]
+        boulders_per_km2: f64,
+    },
     /// A raster of the whole body, cut into a cube of six maps. It must be the last.
     Cube {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
@@ -149,7 +170,7 @@ pub enum Horizon {
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
         /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
         /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
-        /// this scenario's own. Without effect where there is earthshine or ambient light.
+        /// this scenario's own. Without effect where there is earthshine, ambient or bounced light.
         #[serde(default)]
         band: bool,
     },
@@ -363,6 +384,11 @@ pub enum Albedo {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
         path: String,
     },
+    /// The single-scattering albedo w of a Hapke model from a georeferenced raster, instead of the model's own.
+    SingleScattering {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
 }
 
 /// The Sun.
@@ -371,17 +397,34 @@ pub enum Albedo {
 pub struct Sun {
     /// Brightness across the disc.
     pub disc: Disc,
-    /// Irradiance at 1 au in the camera's band. 1361 is the whole spectrum (IAU 2015 B3).
+    /// The Sun's spectrum, from which follows the light in the camera's band. Default: Tsis1Hsrs where the camera has a
+    /// band; without one all of sunlight, 1361 W m-2 (IAU 2015 B3).
+    pub spectrum: Option<Spectrum>,
+    /// Irradiance at 1 au in the camera's band, instead of a spectrum.
     #[schemars(range(min = 0.0, max = 1e6))]
-    pub irradiance_w_m2: f64,
+    pub irradiance_w_m2: Option<f64>,
+    /// Lets the Earth hide the Sun from the Moon during a lunar eclipse. One share holds for the whole scene.
+    pub eclipses: bool,
     /// Holds the Sun still in the sky of the terrain's centre, whatever the epoch: for tests and studies.
     pub fixed: Option<FixedSun>,
 }
 
 impl Default for Sun {
     fn default() -> Self {
-        Self { disc: Disc::default(), irradiance_w_m2: crate::quantity::TOTAL_SOLAR_IRRADIANCE_W_M2, fixed: None }
+        Self { disc: Disc::default(), spectrum: None, irradiance_w_m2: None, eclipses: true, fixed: None }
     }
+}
+
+/// A table of the Sun's spectral irradiance at 1 au.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Spectrum {
+    /// TSIS-1 Hybrid Solar Reference Spectrum, version 2: 350 to 2500 nm, 0.3 %.
+    Tsis1Hsrs,
+    /// ASTM E490: 119.5 nm to 1 mm, scaled to 1366.1 W m-2.
+    E490,
+    /// A file of two columns: wavelength in nm, W m-2 nm-1.
+    Table(String),
 }
 
 /// Brightness across the solar disc.
@@ -393,10 +436,24 @@ pub enum Disc {
     Uniform,
     /// Darker towards the limb, as measured at a wavelength.
     LimbDarkened {
-        /// The wavelength.
+        /// The wavelength. Default: the mean wavelength of sunlight in the camera's band.
+        #[serde(default)]
         #[schemars(range(min = 300.0, max = 5000.0))]
-        wavelength_nm: f64,
+        wavelength_nm: Option<f64>,
+        /// Who measured it.
+        #[serde(default)]
+        law: LimbLaw,
     },
+}
+
+/// A law of limb darkening.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+pub enum LimbLaw {
+    /// A power of the cosine (Hestroffer & Magnan 1998): 303 to 357 and 416 to 1099 nm.
+    #[default]
+    HestrofferMagnan,
+    /// A polynomial in the cosine (Neckel & Labs 1994): 303.327 to 1098.95 nm. Closer near the limb, slower.
+    NeckelLabs,
 }
 
 /// A Sun that does not move.
@@ -444,6 +501,24 @@ pub struct Ambient {
     /// How much of the sky the ground sees.
     #[serde(default)]
     pub sky: Sky,
+}
+
+/// Sunlight that terrain reflects onto terrain, once, with form factors from horizon maps, which are made if shadows need none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bounce {
+    /// Directions all round in which ground is looked for.
+    #[schemars(range(min = 4, max = 128))]
+    pub azimuths: u32,
+    /// Elevations between a point's own plane and its skyline in each of them.
+    #[schemars(range(min = 1, max = 8))]
+    pub elevations: u32,
+}
+
+impl Default for Bounce {
+    fn default() -> Self {
+        Self { azimuths: 32, elevations: 4 }
+    }
 }
 
 /// How much of the sky the ground sees.

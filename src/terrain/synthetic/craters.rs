@@ -70,6 +70,11 @@ pub(super) struct Field {
 }
 
 impl Field {
+    /// Ground without craters.
+    pub fn empty(raster: Raster) -> Self {
+        Self { impacts: Vec::new(), raster, depth: 0 }
+    }
+
     /// Draws craters over the raster and as far around it as they reach.
     pub fn draw(parameters: &Parameters) -> Self {
         let reach_m = parameters.largest_m / 2.0 * REACH;

@@ -1,0 +1,125 @@
+//! The exposures of a run: rendering here, planes beside it, encoding and writing beside both.
+//!
+//! ```text
+//! this thread       renderer --samples-->
+//! one other                              planes, map, record --image-->
+//! the writer's                                                        encode, hash, write
+//! ```
+//!
+//! What waits between two stages is bounded: one exposure's samples and two images. Who is behind holds up who is before; an
+//! error of a later stage ends the earlier ones at their next exposure and is what the run reports.
+
+use std::sync::mpsc::sync_channel;
+use std::sync::{PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+use super::sequence::Before;
+use super::{Error, Prepared, Progress, ortho, record, scene, sequence};
+use crate::dataset::{self, Format, Writer};
+use crate::labels;
+use crate::render::planes::Radiometry;
+use crate::render::{Renderer, Samples, Scene, planes};
+
+/// Exposures whose samples wait for their planes.
+const QUEUE: usize = 1;
+
+/// Where the time of the images went, each stage on its own thread.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Spent {
+    pub samples: Duration,
+    /// Planes, maps and records.
+    pub planes: Duration,
+    /// Of the device, where it can tell.
+    pub device: Duration,
+}
+
+/// What the renderer hands on.
+struct Sampled {
+    index: usize,
+    samples: Samples,
+    /// What the exposure before sampled, where a label needs it.
+    before: Option<Vec<Radiometry>>,
+}
+
+/// Renders the exposures `todo` and hands them to `writer`.
+pub fn render(
+    prepared: &Prepared,
+    scene: &mut Scene,
+    run: &dataset::Run,
+    renderer: &mut dyn Renderer,
+    writer: &mut Writer,
+    todo: &[usize],
+    progress: &dyn Progress,
+) -> Result<Spent, Error> {
+    // A sweep changes the reflectance for the renderer while the other thread makes planes, which do not depend on it.
+    let scene = RwLock::new(scene);
+    let read = || scene.read().unwrap_or_else(PoisonError::into_inner);
+    std::thread::scope(|scope| {
+        let (sender, receiver) = sync_channel::<Sampled>(QUEUE);
+        let finisher = scope.spawn(|| {
+            let mut spent = Duration::ZERO;
+            for sampled in receiver {
+                let start = Instant::now();
+                let exposure = exposure(prepared, &read(), run, sampled)?;
+                spent += start.elapsed();
+                writer.submit(exposure)?;
+            }
+            Ok::<_, Error>(spent)
+        });
+        let mut spent = Spent::default();
+        let mut before = Before::default();
+        let mut sampled = |index: usize| {
+            let exposure = &prepared.exposures[index];
+            let reflectance = scene::reflectance(&prepared.points[exposure.point])?;
+            if read().reflectance != reflectance {
+                scene.write().unwrap_or_else(PoisonError::into_inner).reflectance = reflectance;
+            }
+            let (scene, start) = (read(), Instant::now());
+            let earlier = before.pixels(&scene, renderer, &prepared.exposures, index)?;
+            let samples = renderer.samples(&scene, &exposure.view)?;
+            before.keep(&scene, index, &samples);
+            spent.samples += start.elapsed();
+            spent.device += renderer.device_time().unwrap_or_default();
+            Ok::<_, Error>(Sampled { index, samples, before: earlier })
+        };
+        let mut rendered = Ok(());
+        for (count, &index) in todo.iter().enumerate() {
+            let sent = match sampled(index) {
+                Ok(sampled) => sender.send(sampled),
+                Err(error) => {
+                    rendered = Err(error);
+                    break;
+                }
+            };
+            // Later stages that have ended say why below.
+            if sent.is_err() {
+                break;
+            }
+            progress.at(count + 1, todo.len());
+        }
+        drop(sender);
+        spent.planes = finisher.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        rendered.map(|()| spent)
+    })
+}
+
+/// All that is written of an exposure.
+fn exposure(
+    prepared: &Prepared,
+    scene: &Scene,
+    run: &dataset::Run,
+    sampled: Sampled,
+) -> Result<dataset::Exposure, Error> {
+    let Sampled { index, samples, before } = sampled;
+    let Prepared { exposures, points, craters, ground, .. } = prepared;
+    let view = &exposures[index].view;
+    let point = &points[exposures[index].point];
+    let mut image = planes::image_with(scene, scene::detector(point)?.as_ref(), view, &samples);
+    image.planes.extend(sequence::planes(point, scene, exposures, index, &samples, before.as_deref()));
+    let facts = record::facts(prepared, scene, run, index, &image);
+    let on_map = point.outputs.formats.contains(&Format::GeoTiff);
+    let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
+    let wanted = point.landmarks.as_ref();
+    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, craters, wanted.smallest_px));
+    Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage })
+}
