@@ -9,6 +9,7 @@
 //! ready when the horizons begin.
 
 pub mod auto;
+mod camera_record;
 mod check;
 mod craters;
 pub(crate) mod error;
@@ -22,6 +23,7 @@ mod progress;
 mod record;
 pub mod scene;
 mod sequence;
+pub mod shot;
 mod split;
 pub mod swath;
 
@@ -119,6 +121,8 @@ pub struct Prepared {
     pub points: Vec<Scenario>,
     pub sweep: Option<scenario::Sweep>,
     pub exposures: Vec<Exposure>,
+    /// Of each point of the sweep.
+    pub motions: Vec<motion::Motion>,
     pub shadows: auto::Choice,
     /// With their rims; empty where the scenario asks for no landmarks.
     pub craters: Vec<(Crater, Rim)>,
@@ -139,13 +143,13 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         scene::reflectance(point)?;
         scene::detector(point)?;
     }
-    let exposures = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
+    let (exposures, motions) = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
     sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, shadows, craters })
+    Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
 
 /// The scenario at each point of its sweep.
@@ -177,6 +181,12 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
         inputs.push(("trajectory", path.as_path()));
+    }
+    if let Some(isd) = &scenario.camera.isd {
+        inputs.push(("camera", isd.path.as_path()));
+    }
+    if let Some(kernel) = &scenario.camera.kernel {
+        inputs.push(("psf", kernel.as_path()));
     }
     let response = scenario.band.as_ref().and_then(|band| band.path.as_deref());
     inputs.extend(response.map(|path| ("response", path)));
@@ -284,6 +294,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     let mut scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
+    let imaging = scene::imaging(scenario)?;
 
     let mut passes = gpu.as_ref().map(Passes::new);
     let mut reference = Reference;
@@ -305,7 +316,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 
     let start = Instant::now();
     progress.begin("rendering", todo.len(), "exposures");
-    let spent = images::render(&prepared, &mut scene, &run, renderer, &mut writer, &todo, progress)?;
+    let spent = images::render(&prepared, &mut scene, &imaging, &run, renderer, &mut writer, &todo, progress)?;
     seconds.rendering = lap(start);
     let start = Instant::now();
     progress.begin("writing previews", 1, "sequence");

@@ -16,7 +16,8 @@
 //! # Assumptions
 //! - One wavelength and one quantum efficiency stand for the band.
 //! - Poisson numbers are exact below 50 electrons, and rounded Gaussian ones above (skewness 0.14 there).
-//! - No blooming, no lag, no cosmic rays.
+//! - No lag, no cosmic rays. Blooming is off unless asked for: then what a well cannot hold goes to its neighbours in the
+//!   column, half up and half down, and on from there; what reaches the column's ends is lost.
 //!
 //! # References
 //! EMVA Standard 1288, release 4.0 linear.
@@ -50,6 +51,8 @@ pub struct Detector {
     pub prnu: f64,
     /// Standard deviation of the pixels' dark offsets, in electrons.
     pub dsnu_e: f64,
+    /// Whether full wells spill into their column.
+    pub blooming: bool,
     pub seed: u64,
 }
 
@@ -85,30 +88,52 @@ impl Detector {
         energy_j * self.wavelength_m / (PLANCK_CONSTANT_J_S * SPEED_OF_LIGHT_M_S)
     }
 
+    /// Electrons up to which digital numbers tell more from less.
+    pub fn capacity_e(&self) -> f64 {
+        let largest = f64::from((1u32 << self.bits) - 1);
+        self.full_well_e.min((largest - self.offset_dn) / self.gain_dn_e)
+    }
+
     /// Mean electrons of light. Where the irradiance has no value there is no light.
     fn electrons(&self, irradiance_w_m2: f32) -> f64 {
         self.quantum_efficiency * self.photons(f64::from(irradiance_w_m2.max(0.0)))
     }
 
     /// The image in digital numbers without any noise or pattern.
-    pub fn expose_without_noise(&self, irradiance_w_m2: &[f32]) -> Vec<u16> {
+    pub fn expose_without_noise(&self, irradiance_w_m2: &[f32], columns: usize) -> Vec<u16> {
         let dark_e = self.dark_current_e_s * self.exposure_s;
-        irradiance_w_m2
-            .iter()
-            .map(|&light| self.digitise((self.electrons(light) + dark_e).min(self.full_well_e)))
-            .collect()
+        let mut charge_e: Vec<f64> = irradiance_w_m2.iter().map(|&light| self.electrons(light) + dark_e).collect();
+        self.fill(&mut charge_e, columns);
+        charge_e.into_iter().map(|electrons| self.digitise(electrons)).collect()
     }
 
     /// The image in digital numbers; `exposure` counts the exposures of a sequence.
-    pub fn expose(&self, irradiance_w_m2: &[f32], exposure: u64) -> Vec<u16> {
-        let mut dn = vec![0; irradiance_w_m2.len()];
-        dn.par_chunks_mut(CHUNK).zip(irradiance_w_m2.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (dn, light))| {
+    pub fn expose(&self, irradiance_w_m2: &[f32], columns: usize, exposure: u64) -> Vec<u16> {
+        let mut charge_e = vec![0.0; irradiance_w_m2.len()];
+        let chunks = charge_e.par_chunks_mut(CHUNK).zip(irradiance_w_m2.par_chunks(CHUNK)).enumerate();
+        chunks.for_each(|(chunk, (charge_e, light))| {
             let [mut pattern, mut noise] = [PATTERN_STREAM, exposure].map(|stream| self.stream(stream, chunk * CHUNK));
-            for (dn, &light) in dn.iter_mut().zip(light) {
-                *dn = self.expose_pixel(light, draws(&mut pattern), draws(&mut noise));
+            for (charge_e, &light) in charge_e.iter_mut().zip(light) {
+                *charge_e = self.gathered(light, draws(&mut pattern), draws(&mut noise));
+            }
+        });
+        self.fill(&mut charge_e, columns);
+        let mut dn = vec![0; charge_e.len()];
+        dn.par_chunks_mut(CHUNK).zip(charge_e.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (dn, charge_e))| {
+            let mut noise = self.stream(exposure, chunk * CHUNK);
+            for (dn, charge_e) in dn.iter_mut().zip(charge_e) {
+                *dn = self.digitise(charge_e + self.read_noise_e * gaussian(draws(&mut noise)[2]));
             }
         });
         dn
+    }
+
+    /// Wells hold what they can; the rest is lost, or spills.
+    fn fill(&self, charge_e: &mut [f64], columns: usize) {
+        if self.blooming {
+            (0..columns).for_each(|column| spill(charge_e, column, columns, self.full_well_e));
+        }
+        charge_e.iter_mut().for_each(|electrons| *electrons = electrons.min(self.full_well_e));
     }
 
     /// The stream's random numbers from a pixel on.
@@ -119,19 +144,35 @@ impl Detector {
         rng
     }
 
-    fn expose_pixel(&self, irradiance_w_m2: f32, pattern: Draws, noise: Draws) -> u16 {
+    /// Electrons of a pixel before its well is full.
+    fn gathered(&self, irradiance_w_m2: f32, pattern: Draws, noise: Draws) -> f64 {
         let gain = (1.0 + self.prnu * gaussian(pattern[0])).max(0.0);
         let light_e = poisson(gain * self.electrons(irradiance_w_m2), noise[0]);
         let dark_e = poisson(self.dark_current_e_s * self.exposure_s, noise[1]);
-        let offset_e = self.dsnu_e * gaussian(pattern[1]);
-        let well_e = (light_e + dark_e + offset_e).min(self.full_well_e);
-        self.digitise(well_e + self.read_noise_e * gaussian(noise[2]))
+        light_e + dark_e + self.dsnu_e * gaussian(pattern[1])
     }
 
     fn digitise(&self, electrons: f64) -> u16 {
         let largest = f64::from((1u32 << self.bits) - 1);
         (self.gain_dn_e * electrons + self.offset_dn).round().clamp(0.0, largest) as u16
     }
+}
+
+/// Half of what each well of a column cannot hold goes down, half up, as far as it must.
+fn spill(charge_e: &mut [f64], column: usize, columns: usize, full_e: f64) {
+    let cells: Vec<usize> = (column..charge_e.len()).step_by(columns).collect();
+    let halves: Vec<f64> = cells.iter().map(|&cell| 0.5 * (charge_e[cell] - full_e).max(0.0)).collect();
+    cells.iter().for_each(|&cell| charge_e[cell] = charge_e[cell].min(full_e));
+    let mut sweep = |order: &mut dyn Iterator<Item = usize>| {
+        let mut carried_e = 0.0;
+        for index in order {
+            let sum_e = charge_e[cells[index]] + carried_e;
+            charge_e[cells[index]] = sum_e.min(full_e);
+            carried_e = sum_e - charge_e[cells[index]] + halves[index];
+        }
+    };
+    sweep(&mut (0..cells.len()));
+    sweep(&mut (0..cells.len()).rev());
 }
 
 /// Two uniform numbers in (0, 1) for each of four stages.
@@ -180,6 +221,7 @@ mod tests {
             bits: 12,
             prnu: 0.0,
             dsnu_e: 0.0,
+            blooming: false,
             seed: 7,
         }
     }
@@ -208,7 +250,7 @@ mod tests {
         let detector = detector();
         for electrons in [0.0, 20.0, 45.0, 60.0, 1000.0, 10_000.0] {
             let (mean, variance) =
-                mean_and_variance(&detector.expose(&vec![irradiance(&detector, electrons); 200_000], 0));
+                mean_and_variance(&detector.expose(&vec![irradiance(&detector, electrons); 200_000], 500, 0));
             let k = detector.gain_dn_e;
             let expected_mean = k * (electrons + 5.0) + 100.0;
             let expected_variance = k * k * (64.0 + 5.0 + electrons) + 1.0 / 12.0;
@@ -221,26 +263,45 @@ mod tests {
     fn without_noise_the_mean_remains() {
         let detector = detector();
         let light = [0.0, 1000.0, 1e9].map(|electrons| irradiance(&detector, electrons));
-        assert_eq!(detector.expose_without_noise(&light), [101, 301, 4095]);
+        assert_eq!(detector.expose_without_noise(&light, 1), [101, 301, 4095]);
         let deep = Detector { bits: 16, ..detector };
-        assert_eq!(deep.expose_without_noise(&[light[2], f32::NAN]), [4100, 101], "full well; no value is no light");
+        assert_eq!(deep.expose_without_noise(&[light[2], f32::NAN], 1), [4100, 101], "full well; no value is no light");
     }
 
     #[test]
     fn a_pixels_noise_belongs_to_seed_exposure_and_pixel_alone() {
         let detector = detector();
         let light = vec![irradiance(&detector, 500.0); 3 * CHUNK + 17];
-        let whole = detector.expose(&light, 3);
-        assert_eq!(whole, detector.expose(&light, 3));
-        assert_eq!(whole[..100], detector.expose(&light[..100], 3), "does not depend on the image's size");
+        let whole = detector.expose(&light, 1, 3);
+        assert_eq!(whole, detector.expose(&light, 1, 3));
+        assert_eq!(whole[..100], detector.expose(&light[..100], 1, 3), "does not depend on the image's size");
         let mut other = light.clone();
         other[5] = 0.0;
-        assert_eq!(whole[6..], detector.expose(&other, 3)[6..], "does not depend on the neighbours");
-        assert_ne!(whole, detector.expose(&light, 4));
-        assert_ne!(whole, Detector { seed: 8, ..detector }.expose(&light, 3));
+        assert_eq!(whole[6..], detector.expose(&other, 1, 3)[6..], "does not depend on the neighbours");
+        assert_ne!(whole, detector.expose(&light, 1, 4));
+        assert_ne!(whole, Detector { seed: 8, ..detector }.expose(&light, 1, 3));
         let one_pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let alone = one_pool.install(|| super::tests::detector().expose(&light, 3));
+        let alone = one_pool.install(|| super::tests::detector().expose(&light, 1, 3));
         assert_eq!(whole, alone, "does not depend on threads");
+    }
+
+    /// 9 wells of light on one pixel of the middle column fill 4 above and 4 below; at an edge half of it is lost.
+    #[test]
+    fn a_full_well_spills_along_its_column_and_nothing_else() {
+        let quiet = Detector { dark_current_e_s: 0.0, blooming: true, gain_dn_e: 0.1, offset_dn: 0.0, ..detector() };
+        let seen = |row: usize| {
+            let mut light = vec![0.0; 3 * 21];
+            light[3 * row + 1] = irradiance(&quiet, 9.0 * quiet.full_well_e);
+            quiet.expose_without_noise(&light, 3)
+        };
+        let full = |dn: &[u16], column: usize| (0..21).filter(|row| dn[3 * row + column] == 2000).collect::<Vec<_>>();
+        assert_eq!(full(&seen(10), 1), (6..=14).collect::<Vec<_>>());
+        assert_eq!(full(&seen(0), 1), (0..=4).collect::<Vec<_>>());
+        assert!(full(&seen(10), 0).is_empty() && seen(10).iter().filter(|dn| **dn > 0).count() == 9);
+        let dry = Detector { blooming: false, ..quiet.clone() };
+        let mut light = vec![0.0; 63];
+        light[31] = irradiance(&quiet, 9.0 * quiet.full_well_e);
+        assert_eq!(dry.expose_without_noise(&light, 3).iter().filter(|dn| **dn > 0).count(), 1);
     }
 
     /// PRNU and DSNU stay when exposures are averaged: 1 % of 10 000 e-, and 30 e-, at 0.2 DN/e-.
@@ -249,7 +310,7 @@ mod tests {
         let patterned = Detector { prnu: 0.01, dsnu_e: 30.0, dark_current_e_s: 0.0, ..detector() };
         for (electrons, expected_dn) in [(0.0, 6.0), (10_000.0, 0.2 * (100f64.powi(2) + 30f64.powi(2)).sqrt())] {
             let light = vec![irradiance(&patterned, electrons); 20_000];
-            let [first, second] = [0, 1].map(|exposure| patterned.expose(&light, exposure));
+            let [first, second] = [0, 1].map(|exposure| patterned.expose(&light, 1, exposure));
             let (a, b) = (mean_and_variance(&first).0, mean_and_variance(&second).0);
             let shared = first.iter().zip(&second).map(|(&x, &y)| (f64::from(x) - a) * (f64::from(y) - b)).sum::<f64>();
             let pattern_dn = (shared / 20_000.0).sqrt();

@@ -26,16 +26,21 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use serde::Deserialize;
 
-use super::{Camera, CameraError, Correction, Pose, PosedCamera};
+use super::{Camera, CameraError, Correction, Pose, PosedCamera, Shutter};
 use crate::geometry::{Body, BodyFixed, Position, Rotation};
 
 /// What an ISD says, in our terms.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Isd {
+    pub path: PathBuf,
     /// `USGS_ASTRO_FRAME_SENSOR_MODEL` and its like.
     pub model: String,
     pub body: Body,
     pub camera: PosedCamera,
+    /// When rows are exposed, as far as the ISD says it in our terms; the poses say it exactly.
+    pub shutter: Shutter,
+    /// Of the image, past J2000.
+    pub centre_tdb_s: f64,
     /// Body-fixed, at the image's centre time.
     pub sun: Position<BodyFixed>,
 }
@@ -43,6 +48,8 @@ pub struct Isd {
 /// What can be wrong with an ISD.
 #[derive(Debug, thiserror::Error)]
 pub enum IsdError {
+    #[error("cannot read {path}: {source}")]
+    Read { path: PathBuf, source: std::io::Error },
     #[error("{path} is not an ISD as ALE writes it")]
     Json { path: PathBuf, source: serde_json::Error },
     #[error("{path}: {key} = {got}, allowed is {allowed}")]
@@ -142,6 +149,12 @@ const NEIGHBOURS: usize = 8;
 const SKEW: f64 = 1e-6;
 
 impl Isd {
+    pub fn read(path: &Path) -> Result<Self, IsdError> {
+        let bytes = std::fs::read(path).map_err(|source| IsdError::Read { path: path.into(), source })?;
+        let json = serde_json::from_slice(&bytes).map_err(|source| IsdError::Json { path: path.into(), source })?;
+        Self::from_json(path, json)
+    }
+
     pub fn from_json(path: &Path, json: serde_json::Value) -> Result<Self, IsdError> {
         let written: Written =
             serde_json::from_value(json).map_err(|source| IsdError::Json { path: path.into(), source })?;
@@ -173,9 +186,12 @@ impl Reader<'_> {
         let poses = times.iter().map(pose).collect::<Result<_, _>>()?;
         let sun_m = self.isd.sun_position.at(centre) * self.unit_m("sun_position.unit", &self.isd.sun_position.unit)?;
         Ok(Isd {
+            path: self.path.into(),
             model: self.isd.name_model.clone(),
             body: self.body()?,
+            shutter: self.shutter(&times, optics.rows),
             camera: PosedCamera { optics, poses },
+            centre_tdb_s: centre,
             sun: Position::from_m(self.isd.body_rotation.at(centre) * sun_m),
         })
     }
@@ -234,6 +250,17 @@ impl Reader<'_> {
                 model,
                 "USGS_ASTRO_FRAME_SENSOR_MODEL, USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL, USGS_ASTRO_PUSH_FRAME_SENSOR_MODEL",
             )),
+        }
+    }
+
+    /// With the mean time from one exposure to the next.
+    fn shutter(&self, times: &[f64], framelet_rows: u32) -> Shutter {
+        let [first, .., last] = *times else { return Shutter::Global };
+        let (step_s, upwards) = ((last - first).abs() / (times.len() - 1) as f64, last < first);
+        if framelet_rows == 1 {
+            Shutter::LineScan { line_time_s: step_s, upwards }
+        } else {
+            Shutter::PushFrame { interval_s: step_s, framelet_rows, upwards }
         }
     }
 

@@ -3,6 +3,8 @@
 //! - [`Camera`]: pixels and directions, solid angles, irradiance of the focal plane
 //! - [`Isd`]: the geometry that CSM programs exchange
 //! - [`PosedCamera`]: with the poses of an image: one, or one a line or framelet
+//! - [`Shutter`]: which rows are exposed when
+//! - [`Psf`]: how lens and focus spread the light
 //! - [`Detector`]: electrons and digital numbers, with noise and without
 
 mod correction;
@@ -11,13 +13,17 @@ mod distortion;
 mod isd;
 mod optics;
 mod posed;
+mod psf;
+mod shutter;
 
 pub use correction::Correction;
 pub use detector::Detector;
 pub use distortion::Distortion;
 pub use isd::{Isd, IsdError};
-pub use optics::Camera;
+pub use optics::{Camera, Vignetting};
 pub use posed::{Pose, PosedCamera};
+pub use psf::{Kernel, Psf, Spread};
+pub use shutter::{Band, Shutter};
 
 /// A camera that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +34,12 @@ pub enum CameraError {
         "the distortion folds back at {largest_rad:.4} rad from the boresight, inside the image's corner at {corner_px:?} px"
     )]
     Folds { largest_rad: f64, corner_px: [f64; 2] },
+    #[error("a psf kernel of {columns} x {rows} pixels, want odd sides up to 97, no negative number and a sum above 0")]
+    Kernel { columns: usize, rows: usize },
+    #[error("an image of {rows} rows is no whole number of framelets of {framelet_rows}")]
+    Framelets { rows: u32, framelet_rows: u32 },
+    #[error("the vignetting polynomial is {got:.4} at {corner_px:?} px, allowed is [0, 1.5] in the image")]
+    Vignetting { got: f64, corner_px: [f64; 2] },
 }
 
 /// `Ok` where `got` is in `range`; `allowed` says the range in words, with its unit.

@@ -4,11 +4,12 @@
 //! so that the image reaches from −0.5 to `columns − 0.5`.
 //!
 //! ```text
-//! (u, v) = principal + focal · distort(x/z, y/z)        E = π τ cos⁴θ L / (4 N²)
+//! (u, v) = principal + focal · distort(x/z, y/z)        E = π τ v L / (4 N²)
+//! v = cos⁴θ,   or 1 + a₂ρ² + a₄ρ⁴ + a₆ρ⁶,  ρ = distance from the principal point over half the image's diagonal
 //! ```
 //!
 //! # Assumptions
-//! - No skew. Objects are far away, the stop is in the lens, vignetting is `cos⁴θ` alone.
+//! - No skew. Objects are far away, the stop is in the lens.
 //! - A pixel's edges are great circles between its corners.
 
 use std::f64::consts::PI;
@@ -30,9 +31,24 @@ pub struct Camera {
     pub f_number: f64,
     /// Share of the light that passes the lens.
     pub transmission: f64,
+    vignetting: Vignetting,
+    /// Half the image's diagonal when the vignetting was given: parts of an image darken as the whole does.
+    half_diagonal_px: f64,
     lens: Lens,
     /// Radius on the plane z = 1 beyond which nothing is seen.
     largest_radius: f64,
+}
+
+/// How the focal plane darkens towards the image's edge.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Vignetting {
+    /// By the fourth power of the cosine of the angle with the boresight.
+    #[default]
+    Cos4,
+    /// Not at all: the lens, or a calibration, has evened it out.
+    None,
+    /// By a measured polynomial, in place of the fourth power: `a₂`, `a₄`, `a₆`.
+    Polynomial([f64; 3]),
 }
 
 /// What the lens does to the image.
@@ -56,8 +72,18 @@ impl Camera {
         }
         let principal_px = (DVec2::new(f64::from(columns), f64::from(rows)) - 1.0) / 2.0;
         let largest_radius = f64::INFINITY;
-        let (f_number, transmission, lens) = (1.0, 1.0, Lens::Ideal);
-        Ok(Self { columns, rows, focal_px, principal_px, f_number, transmission, lens, largest_radius })
+        Ok(Self {
+            columns,
+            rows,
+            focal_px,
+            principal_px,
+            f_number: 1.0,
+            transmission: 1.0,
+            vignetting: Vignetting::Cos4,
+            half_diagonal_px: 0.5 * f64::from(columns).hypot(f64::from(rows)),
+            lens: Lens::Ideal,
+            largest_radius,
+        })
     }
 
     pub fn from_focal_length(
@@ -87,6 +113,25 @@ impl Camera {
         Ok(Self { f_number, transmission, ..self })
     }
 
+    /// Refuses a polynomial that brightens the image by half, or darkens it below nothing. Call it after
+    /// [`Camera::with_principal_point`].
+    pub fn with_vignetting(self, vignetting: Vignetting) -> Result<Self, CameraError> {
+        let camera = Self { vignetting, ..self };
+        let [right, bottom] = [camera.columns, camera.rows].map(|size| f64::from(size) - 0.5);
+        for corner in [[-0.5, -0.5], [right, -0.5], [-0.5, bottom], [right, bottom]] {
+            for share in (1..=32).map(|step| f64::from(step) / 32.0) {
+                let pixel = camera.principal_px.lerp(corner.into(), share);
+                if let Vignetting::Polynomial(_) = vignetting
+                    && let got = camera.brightness(pixel, 1.0)
+                    && !(0.0..=1.5).contains(&got)
+                {
+                    return Err(CameraError::Vignetting { got, corner_px: pixel.to_array() });
+                }
+            }
+        }
+        Ok(camera)
+    }
+
     /// Refuses a distortion that folds back inside the image. Call it last: the image's corners are checked.
     pub fn with_distortion(self, distortion: Distortion) -> Result<Self, CameraError> {
         let camera = Self { lens: Lens::Distorts(distortion), largest_radius: distortion.largest_radius(), ..self };
@@ -114,6 +159,14 @@ impl Camera {
         Ok(camera)
     }
 
+    /// The distortion that is known from measured to ideal points, where there is one.
+    pub fn correction(&self) -> Option<Correction> {
+        match self.lens {
+            Lens::Corrected(correction) => Some(correction),
+            Lens::Ideal | Lens::Distorts(_) => None,
+        }
+    }
+
     /// With rows counted towards −y of the same axes: scanners whose lines run against their motion.
     pub fn with_lines_upwards(self) -> Self {
         Self { focal_px: self.focal_px * DVec2::new(1.0, -1.0), ..self }
@@ -129,7 +182,14 @@ impl Camera {
     pub fn resized(&self, columns: u32, rows: u32) -> Self {
         let scale = DVec2::new(f64::from(columns) / f64::from(self.columns), f64::from(rows) / f64::from(self.rows));
         let principal_px = (self.principal_px + 0.5) * scale - 0.5;
-        Self { columns, rows, focal_px: self.focal_px * scale, principal_px, ..self.clone() }
+        let half_diagonal_px = self.half_diagonal_px * (scale.x * scale.y).sqrt();
+        Self { columns, rows, focal_px: self.focal_px * scale, principal_px, half_diagonal_px, ..self.clone() }
+    }
+
+    /// The part of the focal plane with `columns` and `rows` from `[column, row]` on, which may lie beyond the image.
+    pub fn part(&self, [column, row]: [i64; 2], columns: u32, rows: u32) -> Self {
+        let principal_px = self.principal_px - DVec2::new(column as f64, row as f64);
+        Self { columns, rows, principal_px, ..self.clone() }
     }
 
     /// Where a pixel coordinate looks; `None` where the distortion has no inverse.
@@ -175,7 +235,19 @@ impl Camera {
     /// Irradiance of the focal plane per radiance of the scene, in steradians.
     pub fn irradiance_per_radiance_sr(&self, pixel: DVec2) -> Option<f64> {
         let cosine = self.direction(pixel)?.unit().z;
-        Some(PI * self.transmission * cosine.powi(4) / (4.0 * self.f_number * self.f_number))
+        Some(PI * self.transmission * self.brightness(pixel, cosine) / (4.0 * self.f_number * self.f_number))
+    }
+
+    /// The focal plane's brightness over that at the boresight.
+    fn brightness(&self, pixel: DVec2, cosine: f64) -> f64 {
+        match self.vignetting {
+            Vignetting::Cos4 => cosine.powi(4),
+            Vignetting::None => 1.0,
+            Vignetting::Polynomial([a2, a4, a6]) => {
+                let square = (pixel - self.principal_px).length_squared() / self.half_diagonal_px.powi(2);
+                1.0 + square * (a2 + square * (a4 + square * a6))
+            }
+        }
     }
 }
 
@@ -281,6 +353,25 @@ mod tests {
         assert!((9.68 * centre - 0.475).abs() < 5e-4, "{centre}");
         let edge = camera.irradiance_per_radiance_sr(DVec2::new(-0.5, 49.5)).unwrap();
         assert!((edge / centre - 0.5f64.cos().powi(4)).abs() < 1e-14);
+    }
+
+    /// The polynomial is written out once more for one point; a part of the image darkens as the whole does.
+    #[test]
+    fn a_measured_vignetting_takes_the_place_of_the_fourth_power() {
+        let lens = Vignetting::Polynomial([-0.3, 0.1, -0.05]);
+        let camera = Camera::from_field_of_view(80, 60, 1.0).unwrap().with_vignetting(lens).unwrap();
+        let at = |camera: &Camera, x, y| camera.irradiance_per_radiance_sr(DVec2::new(x, y)).unwrap();
+        let square = (39.5f64.powi(2) + 29.5f64.powi(2)) / 50.0f64.powi(2);
+        let expected = PI / 4.0 * (1.0 - 0.3 * square + 0.1 * square.powi(2) - 0.05 * square.powi(3));
+        assert!((at(&camera, 0.0, 0.0) - expected).abs() < 1e-14);
+        assert_eq!(at(&camera.part([0, 40], 80, 1), 3.0, 0.0), at(&camera, 3.0, 40.0));
+        assert!((at(&camera.resized(160, 120), 0.5, 0.5) - at(&camera, 0.0, 0.0)).abs() < 1e-14);
+        let even = camera.clone().with_vignetting(Vignetting::None).unwrap();
+        assert_eq!(at(&even, 0.0, 0.0), PI / 4.0);
+        assert!(matches!(
+            camera.with_vignetting(Vignetting::Polynomial([-1.2, 0.0, 0.0])),
+            Err(CameraError::Vignetting { .. })
+        ));
     }
 
     #[test]

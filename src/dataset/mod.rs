@@ -49,8 +49,8 @@ pub use landmarks::LandmarkFile;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{
-    BodyRecord, CameraRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord, PoseRecord, PreviewRecord,
-    QualityRecord, RadiometryRecord, Record, SensorRecord, SoftwareRecord, SplitRecord, Statistics, SunRecord,
-    SweepRecord,
+    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord,
+    PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord, SoftwareRecord,
+    SplitRecord, Statistics, SunRecord, SweepRecord,
 };
 pub use writer::{Exposure, Orthoimage, Settings, Summary, Writer};

@@ -95,6 +95,30 @@ pub struct CameraRecord {
     pub pixel_origin: String,
     pub axes: String,
     pub shutter: String,
+    /// Effects beyond a pinhole with distortion that stands still; absent where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<CameraEffects>,
+}
+
+/// What lens and motion do to the image.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CameraEffects {
+    /// One after the other, in pixels; and the share of their light beyond their ends, given back in proportion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub psf: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psf_cut_off: Option<f64>,
+    /// How the focal plane darkens, where not by the fourth power of the cosine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vignetting: Option<String>,
+    /// Motion blur: moments of the exposure whose light is averaged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moments: Option<u32>,
+    /// What rows that share a pose are off by, at most, in pixels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared_pose_error_px: Option<f64>,
+    /// Planes that carry these effects; all others belong to the middle of the exposure, unblurred.
+    pub planes: String,
 }
 
 impl CameraRecord {
@@ -112,6 +136,7 @@ impl CameraRecord {
             pixel_origin: "the centre of the top left pixel is (0, 0)".into(),
             axes: "+x right, +y down, +z along the boresight".into(),
             shutter: "global, instantaneous".into(),
+            effects: None,
         }
     }
 }
@@ -129,6 +154,19 @@ pub struct PoseRecord {
     pub longitude_east_deg: f64,
     /// Above the reference spheroid.
     pub height_m: f64,
+    /// Of the image's rows in the middle of their exposures, the top first, where they are not exposed together.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RowPose>,
+}
+
+/// From where some rows of an image are seen, up to the next entry's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RowPose {
+    pub first_row: usize,
+    /// From the image's epoch.
+    pub t_s: f64,
+    pub r_body_fixed_m: [f64; 3],
+    pub q_wxyz: [f64; 4],
 }
 
 impl Default for PoseRecord {
@@ -141,6 +179,7 @@ impl Default for PoseRecord {
             latitude_deg: 0.0,
             longitude_east_deg: 0.0,
             height_m: 0.0,
+            rows: Vec::new(),
         }
     }
 }
@@ -189,6 +228,31 @@ pub struct SensorRecord {
     pub samples_per_pixel: u32,
     /// Absent: an ideal sensor.
     pub gain_e_per_dn: Option<f64>,
+    /// Absent: no digital numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detector: Option<DetectorRecord>,
+    /// How the exposure time was chosen; absent: by the scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub auto_exposure: Option<String>,
+}
+
+/// EMVA 1288: what made digital numbers of light.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DetectorRecord {
+    pub quantum_efficiency: f64,
+    pub wavelength_nm: f64,
+    pub pixel_pitch_um: f64,
+    pub dark_current_e_per_s: f64,
+    pub read_noise_e: f64,
+    pub prnu: f64,
+    pub dsnu_e: f64,
+    pub full_well_e: f64,
+    pub blooming: bool,
+    pub gain_e_per_dn: f64,
+    pub offset_dn: f64,
+    pub bits: u32,
+    /// To what the random numbers belong.
+    pub noise: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

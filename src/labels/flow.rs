@@ -65,7 +65,7 @@ fn pixel_of(scene: &Scene, view: &View, hit: &Hit) -> Option<DVec2> {
 fn is_seen(scene: &Scene, view: &View, hit: &Hit, pixel: DVec2) -> bool {
     let Some(towards) = view.camera_position.direction_to(hit.position) else { return false };
     let distance_m = view.camera_position.distance_m(hit.position);
-    let nearer_m = NEARER_PIXELS * distance_m * pixel_angle_rad(scene, pixel);
+    let nearer_m = NEARER_PIXELS * distance_m * pixel_angle_rad(&scene.optics, pixel);
     let met = scene.surface.intersect(view.camera_position, towards);
     // A ray that slips past the very point it was aimed at met nothing before it.
     !met.is_some_and(|met| met.distance_m < distance_m - nearer_m)

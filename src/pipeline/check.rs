@@ -23,6 +23,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     let mut checked = Checked::default();
     let problems = &mut checked.problems;
     problems.extend(scene::optics(scenario).err());
+    problems.extend(scene::imaging(scenario).err());
     let points = points(scenario);
     problems.extend(points.iter().filter_map(|point| scene::detector(point).err()).take(1));
     problems.extend(scene::disk(scenario).err());
@@ -86,7 +87,7 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         None => bare(&frame.body, scenario),
     };
     let outcomes = match motion::outcomes(&points(scenario), almanac, frame, &surface, centre) {
-        Ok(outcomes) => outcomes,
+        Ok((outcomes, _)) => outcomes,
         Err(error) => return vec![error],
     };
     let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });

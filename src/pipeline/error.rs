@@ -33,6 +33,10 @@ pub enum Error {
     Render(#[from] crate::render::RenderError),
     #[error(transparent)]
     Dataset(#[from] crate::dataset::DatasetError),
+    #[error("cannot read the psf kernel {path}: {source}")]
+    UnreadableKernel { path: PathBuf, source: std::io::Error },
+    #[error("psf kernel {path}, line {line}: {got:?} is no number, or the line has not as many as the first")]
+    KernelLine { path: PathBuf, line: usize, got: String },
     #[error("cannot write {path}")]
     Unwritable { path: PathBuf, source: std::io::Error },
     #[error("{path} lists the tiles of another globe: {difference}; choose another folder, or remove it")]

@@ -14,11 +14,12 @@ use std::sync::{PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use super::sequence::Before;
+use super::shot::{self, Shot};
 use super::{Error, Prepared, Progress, ortho, record, scene, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
 use crate::render::planes::Radiometry;
-use crate::render::{Renderer, Samples, Scene, planes};
+use crate::render::{Imaging, Renderer, Scene};
 
 /// Exposures whose samples wait for their planes.
 const QUEUE: usize = 1;
@@ -36,7 +37,7 @@ pub struct Spent {
 /// What the renderer hands on.
 struct Sampled {
     index: usize,
-    samples: Samples,
+    shot: Shot,
     /// What the exposure before sampled, where a label needs it.
     before: Option<Vec<Radiometry>>,
 }
@@ -45,6 +46,7 @@ struct Sampled {
 pub fn render(
     prepared: &Prepared,
     scene: &mut Scene,
+    imaging: &Imaging,
     run: &dataset::Run,
     renderer: &mut dyn Renderer,
     writer: &mut Writer,
@@ -76,11 +78,13 @@ pub fn render(
             }
             let (scene, start) = (read(), Instant::now());
             let earlier = before.pixels(&scene, renderer, &prepared.exposures, index)?;
-            let samples = renderer.samples(&scene, &exposure.view)?;
-            before.keep(&scene, index, &samples);
+            let shot = shot::take(prepared, &scene, imaging, renderer, exposure)?;
+            if let Some(samples) = shot.taken.samples() {
+                before.keep(&scene, index, samples);
+            }
             spent.samples += start.elapsed();
-            spent.device += renderer.device_time().unwrap_or_default();
-            Ok::<_, Error>(Sampled { index, samples, before: earlier })
+            spent.device += shot.taken.device;
+            Ok::<_, Error>(Sampled { index, shot, before: earlier })
         };
         let mut rendered = Ok(());
         for (count, &index) in todo.iter().enumerate() {
@@ -110,13 +114,15 @@ fn exposure(
     run: &dataset::Run,
     sampled: Sampled,
 ) -> Result<dataset::Exposure, Error> {
-    let Sampled { index, samples, before } = sampled;
+    let Sampled { index, shot, before } = sampled;
     let Prepared { exposures, points, craters, ground, .. } = prepared;
     let view = &exposures[index].view;
     let point = &points[exposures[index].point];
-    let mut image = planes::image_with(scene, scene::detector(point)?.as_ref(), view, &samples);
-    image.planes.extend(sequence::planes(point, scene, exposures, index, &samples, before.as_deref()));
-    let facts = record::facts(prepared, scene, run, index, &image);
+    let mut image = shot.image(scene);
+    if let Some(samples) = shot.taken.samples() {
+        image.planes.extend(sequence::planes(point, scene, exposures, index, samples, before.as_deref()));
+    }
+    let facts = record::facts(prepared, scene, run, index, &image, &shot);
     let on_map = point.outputs.formats.contains(&Format::GeoTiff);
     let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
     let wanted = point.landmarks.as_ref();

@@ -2,8 +2,9 @@
 
 use hifitime::{Epoch, Unit};
 
-use super::Error;
 use super::lights::{Lit, Sky};
+use super::{Error, scene};
+use crate::camera::Pose;
 use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
@@ -14,7 +15,7 @@ use crate::render::View;
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
 use crate::terrain::Surface;
 
-/// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees.
+/// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees at that instant.
 #[derive(Debug, Clone)]
 pub struct Exposure {
     /// Of the scenario's sweep, counted from 0.
@@ -28,34 +29,54 @@ pub struct Exposure {
     pub view: View,
 }
 
-/// All exposures of a scenario at all points of its sweep, before any of them is rendered.
+/// Where the camera is at any epoch, and how it is turned.
+#[derive(Debug)]
+pub struct Motion {
+    trajectory: Path,
+    pointing: Attitude,
+}
+
+/// Where it comes from.
+#[derive(Debug)]
+enum Path {
+    Trajectory(Trajectory),
+    /// Poses of an image's exposures in the middle of their times, at times from the image's middle.
+    Poses(Vec<(f64, Pose)>),
+}
+
+/// All exposures of a scenario at all points of its sweep, before any of them is rendered, and each point's motion.
 pub fn exposures(
     points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<Vec<Exposure>, Error> {
-    outcomes(points, almanac, frame, surface, centre)?.into_iter().collect()
+) -> Result<(Vec<Exposure>, Vec<Motion>), Error> {
+    let (outcomes, motions) = outcomes(points, almanac, frame, surface, centre)?;
+    Ok((outcomes.into_iter().collect::<Result<_, _>>()?, motions))
 }
 
 /// As [`exposures`], each with what stands against it.
+#[allow(clippy::type_complexity)]
 pub fn outcomes(
     points: &[Scenario],
     almanac: &Almanac,
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<Vec<Result<Exposure, Error>>, Error> {
-    let mut all = Vec::new();
+) -> Result<(Vec<Result<Exposure, Error>>, Vec<Motion>), Error> {
+    let (mut all, mut motions) = (Vec::new(), Vec::new());
     for (point, scenario) in points.iter().enumerate() {
         let first = all.len();
-        all.extend(of_point(scenario, [point, first], almanac, frame, surface, centre)?);
+        let (outcomes, motion) = of_point(scenario, [point, first], almanac, frame, surface, centre)?;
+        all.extend(outcomes);
+        motions.push(motion);
     }
-    Ok(all)
+    Ok((all, motions))
 }
 
 /// The exposures at a point, the first of which is the dataset's `first`.
+#[allow(clippy::type_complexity)]
 fn of_point(
     scenario: &Scenario,
     [point, first]: [usize; 2],
@@ -63,23 +84,91 @@ fn of_point(
     frame: &BodyFrame,
     surface: &Surface,
     centre: Geodetic,
-) -> Result<Vec<Result<Exposure, Error>>, Error> {
-    let trajectory = trajectory(scenario, almanac, frame, surface)?;
-    let pointing = pointing(scenario, frame, surface)?;
+) -> Result<(Vec<Result<Exposure, Error>>, Motion), Error> {
+    let motion = Motion::new(scenario, almanac, frame, surface)?;
     let sky = Sky { scenario, almanac, frame, centre };
+    let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
     let exposure = |(index, &epoch): (usize, &Epoch)| {
         let index = first + index;
+        // The middle last: it is the view's. Poses in between are met while rendering, within the same spans.
+        let ends = if reach_s > 0.0 { vec![-reach_s, reach_s, 0.0] } else { vec![0.0] };
+        let mut middle = None;
+        for offset_s in ends {
+            let here = motion.state(almanac, frame, epoch, offset_s)?;
+            check_clearance(surface, index, epoch, here.0.position)?;
+            middle = Some(here);
+        }
+        let (pose, velocity_m_s) = middle.expect("the middle is among the ends");
+        let (camera_position, camera_from_body) = (pose.position, pose.camera_from_body);
+        let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
+        let view = View { exposure: index as u64, camera_position, camera_from_body, lights };
+        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
+    };
+    Ok((scenario.exposures.iter().enumerate().map(exposure).collect(), motion))
+}
+
+impl Motion {
+    fn new(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, surface: &Surface) -> Result<Self, Error> {
+        let pointing = pointing(scenario, frame, surface)?;
+        let trajectory = match (&scenario.trajectory, &scenario.camera.isd) {
+            (scenario::Trajectory::Isd, Some(isd)) => {
+                let bands = isd.shutter.pieces(scenario.camera.rows).into_iter().flatten();
+                Path::Poses(bands.map(|band| band.time_s).zip(isd.camera.poses.iter().copied()).collect())
+            }
+            _ => Path::Trajectory(trajectory(scenario, almanac, frame, surface)?),
+        };
+        Ok(Self { trajectory, pointing })
+    }
+
+    /// The pose at a time from an exposure's epoch.
+    pub fn pose(&self, almanac: &Almanac, frame: &BodyFrame, epoch: Epoch, offset_s: f64) -> Result<Pose, Error> {
+        Ok(self.state(almanac, frame, epoch, offset_s)?.0)
+    }
+
+    /// The same with the velocity against the turning body, in m/s.
+    fn state(
+        &self,
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        epoch: Epoch,
+        offset_s: f64,
+    ) -> Result<(Pose, glam::DVec3), Error> {
+        let trajectory = match &self.trajectory {
+            Path::Trajectory(trajectory) => trajectory,
+            Path::Poses(poses) => return Ok((nearest(poses, offset_s), mean_velocity_m_s(poses))),
+        };
+        let epoch = if offset_s == 0.0 { epoch } else { epoch + offset_s * Unit::Second };
         let (position, velocity_m_s) = trajectory.state(almanac, frame, epoch)?;
-        check_clearance(surface, index, epoch, position)?;
-        let camera_from_body = match &pointing {
+        let camera_from_body = match &self.pointing {
             Attitude::Law(law) => law.camera_from_body(&frame.body, epoch, position, velocity_m_s)?,
             Attitude::Message(message) => message.camera_from_body(almanac, frame, epoch)?,
         };
-        let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
-        let view = View { exposure: index as u64, camera_position: position, camera_from_body, lights };
-        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
-    };
-    Ok(scenario.exposures.iter().enumerate().map(exposure).collect())
+        Ok((Pose { position, camera_from_body }, velocity_m_s))
+    }
+
+    /// Poses at times from an exposure's epoch: of each band, of each moment.
+    pub fn poses(
+        &self,
+        almanac: &Almanac,
+        frame: &BodyFrame,
+        epoch: Epoch,
+        times_s: &[Vec<f64>],
+    ) -> Result<Vec<Vec<Pose>>, Error> {
+        let of_band = |times: &Vec<f64>| times.iter().map(|&time| self.pose(almanac, frame, epoch, time)).collect();
+        times_s.iter().map(of_band).collect()
+    }
+}
+
+/// From the first pose to the last; none of a camera that has but one.
+fn mean_velocity_m_s(poses: &[(f64, Pose)]) -> glam::DVec3 {
+    let [(from_s, from), .., (until_s, until)] = poses else { return glam::DVec3::ZERO };
+    (until.position.vector_m() - from.position.vector_m()) / (until_s - from_s)
+}
+
+/// The one whose time is nearest: bands are asked for at their own times, the image's middle between two of them.
+fn nearest(poses: &[(f64, Pose)], offset_s: f64) -> Pose {
+    let distance = |(time_s, _): &&(f64, Pose)| (time_s - offset_s).abs();
+    poses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("an ISD has a pose").1
 }
 
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
@@ -130,8 +219,9 @@ fn trajectory(
             if let [(from_s, alone)] = points[..] {
                 // One point is a camera that stands still, from the first exposure to the last.
                 let [first, last] = [scenario.exposures.first(), scenario.exposures.last()];
-                let until_s = last.map_or(from_s, |epoch| offset(*epoch)).max(from_s) + 1.0;
-                points[0].0 = first.map_or(from_s, |epoch| offset(*epoch)).min(from_s);
+                let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
+                let until_s = last.map_or(from_s, |epoch| offset(*epoch)).max(from_s) + 1.0 + reach_s;
+                points[0].0 = first.map_or(from_s, |epoch| offset(*epoch)).min(from_s) - reach_s;
                 points.push((until_s, alone));
             }
             Trajectory::Waypoints(Waypoints::new(start, &points, SplineEnds::Natural)?)
@@ -152,10 +242,12 @@ fn trajectory(
         scenario::Trajectory::State { epoch, position_m, velocity_m_s, gm_m3_s2 } => {
             Trajectory::TwoBody(TwoBody::from_state(*epoch, *position_m, *velocity_m_s, gm(gm_m3_s2)?)?)
         }
+        scenario::Trajectory::Isd => unreachable!("an ISD has poses, not a trajectory"),
     })
 }
 
 /// Where the camera looks.
+#[derive(Debug)]
 enum Attitude {
     Law(Pointing),
     Message(Aem),
@@ -163,12 +255,18 @@ enum Attitude {
 
 fn pointing(scenario: &Scenario, frame: &BodyFrame, surface: &Surface) -> Result<Attitude, Error> {
     let roll_rad = scenario.pointing.roll_rad;
+    let top = |default: Top| match scenario.pointing.top {
+        None => default,
+        Some(scenario::Top::North) => Top::North,
+        Some(scenario::Top::Velocity) => Top::Velocity,
+        Some(scenario::Top::Up) => Top::Up,
+    };
     Ok(Attitude::Law(match &scenario.pointing.towards {
-        Towards::Nadir => Pointing::Nadir { top: Top::North, roll_rad },
-        Towards::AlongVelocity => Pointing::AlongVelocity { top: Top::Up, roll_rad },
+        Towards::Nadir => Pointing::Nadir { top: top(Top::North), roll_rad },
+        Towards::AlongVelocity => Pointing::AlongVelocity { top: top(Top::Up), roll_rad },
         Towards::At { point, height_above } => {
             let point = frame.body.geodetic_from_position(on_body(surface, *point, *height_above));
-            Pointing::AtPoint { point, top: Top::Up, roll_rad }
+            Pointing::AtPoint { point, top: top(Top::Up), roll_rad }
         }
         Towards::Table(rows) => {
             let start = rows[0].0;

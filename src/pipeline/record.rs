@@ -1,10 +1,11 @@
 //! What is written down about a run and about each exposure.
 
 use super::ground::file_name;
+use super::shot::Shot;
 use super::{Prepared, scene, sequence, split};
 use crate::dataset::{
-    self, BodyRecord, CameraRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord,
-    RadiometryRecord, Run, SensorRecord, SoftwareRecord, SunRecord, SweepRecord, White,
+    self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
+    SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
@@ -46,6 +47,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     }
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if let Some(preset) = scenario.camera.preset {
+        settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
     }
     if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
         settings["invented"] = serde_json::json!(invented);
@@ -97,10 +101,9 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image) -> Facts {
+pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image, shot: &Shot) -> Facts {
     let exposure = &prepared.exposures[index];
     let scenario = &prepared.points[exposure.point];
-    let camera = &scenario.camera;
     Facts {
         frame_id: format!("{}/{index:04}", scenario.name),
         sweep: prepared.sweep.as_ref().map(|sweep| SweepRecord {
@@ -114,13 +117,8 @@ pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image:
         split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
-        camera: CameraRecord::opencv(
-            [camera.columns as usize, camera.rows as usize],
-            camera.focal_length_px,
-            camera.principal_point_px,
-            camera.distortion.as_ref().map_or([0.0; 5], |d| [d.k1, d.k2, d.p1, d.p2, d.k3]),
-        ),
-        pose: pose(prepared, index),
+        camera: super::camera_record::camera(scenario, prepared, scene, shot, exposure),
+        pose: pose(prepared, index, shot),
         sun: sun(scenario, prepared, index),
         radiometry: RadiometryRecord {
             unit: Quantity::Radiance.unit().into(),
@@ -132,21 +130,14 @@ pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image:
             band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
             mean_wavelength_nm: scenario.band.as_ref().map(|band| band.wavelength_nm),
         },
-        sensor: SensorRecord {
-            seed: scenario.seed,
-            exposure_s: camera.exposure_s,
-            f_number: camera.f_number,
-            transmission: camera.transmission,
-            samples_per_pixel: camera.samples_per_pixel,
-            gain_e_per_dn: scenario.detector.as_ref().map(|detector| detector.gain_e_per_dn),
-        },
+        sensor: super::camera_record::sensor(scenario, shot),
         inputs: inputs(scenario, run),
         software: run.software.clone(),
         quality: quality(scene, image),
     }
 }
 
-fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
+fn pose(prepared: &Prepared, index: usize, shot: &Shot) -> PoseRecord {
     let exposure = &prepared.exposures[index];
     let view = &exposure.view;
     let q = view.camera_from_body.quaternion();
@@ -158,6 +149,7 @@ fn pose(prepared: &Prepared, index: usize) -> PoseRecord {
         latitude_deg: place.latitude_rad.to_degrees(),
         longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),
         height_m: place.height_m,
+        rows: super::camera_record::rows(shot),
         ..Default::default()
     }
 }

@@ -1,10 +1,13 @@
 //! From the scenario's camera, Sun and surface to what a renderer reads.
 
+use std::path::Path;
+
 use super::Error;
-use crate::camera::{Camera as Optics, Detector, Distortion};
+use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Psf};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
-use crate::render::{self, AlbedoRole};
+use crate::raster::Picture;
+use crate::render::{self, AlbedoRole, Imaging, Timing};
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
 use crate::shadow::{Mipmaps, Multiscale};
@@ -16,19 +19,71 @@ const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
 /// Pitch of the detector's pixels where the scenario gives a field of view only.
 const DEFAULT_PIXEL_PITCH_M: f64 = 5e-6;
 
+/// Those of one exposure: of a scanner, its line or framelet.
 pub fn optics(scenario: &Scenario) -> Result<Optics, Error> {
     let camera = &scenario.camera;
     let [column, row] = camera.principal_point_px;
-    let optics = Optics::pinhole(camera.columns, camera.rows, glam::DVec2::splat(camera.focal_length_px))?
+    if let Some(isd) = &camera.isd {
+        let optics = isd.camera.optics.clone().with_lens(camera.f_number, camera.transmission)?;
+        return Ok(optics.with_vignetting(camera.vignetting)?);
+    }
+    let rows = camera.shutter.exposed_rows(camera.rows);
+    let optics = Optics::pinhole(camera.columns, rows, glam::DVec2::splat(camera.focal_length_px))?
         .with_principal_point(glam::DVec2::new(column, row) - 0.5)
-        .with_lens(camera.f_number, camera.transmission)?;
-    Ok(match &camera.distortion {
-        None => optics,
-        Some(written) => optics.with_distortion(Distortion {
+        .with_lens(camera.f_number, camera.transmission)?
+        .with_vignetting(camera.vignetting)?;
+    Ok(match (&camera.distortion, camera.correction) {
+        (None, None) => optics,
+        (None, Some(correction)) => optics.with_correction(correction)?,
+        (Some(written), _) => optics.with_distortion(Distortion {
             radial: [written.k1, written.k2, written.k3, 0.0, 0.0, 0.0],
             tangential: [written.p1, written.p2],
         })?,
     })
+}
+
+/// When the camera's poses are asked for.
+pub fn timing(scenario: &Scenario) -> Timing {
+    let camera = &scenario.camera;
+    Timing { rows: camera.rows, shutter: camera.shutter, moments: camera.moments as usize }
+}
+
+/// What the camera does beyond a pinhole that stands still.
+pub fn imaging(scenario: &Scenario) -> Result<Imaging, Error> {
+    let camera = &scenario.camera;
+    let kernel = camera.kernel.as_deref().map(kernel).transpose()?;
+    let blurs = !camera.spreads.is_empty() || kernel.is_some();
+    let side = camera.samples_per_pixel.isqrt() as usize;
+    let psf = blurs.then(|| Psf::new(&camera.spreads, kernel.as_ref(), side)).transpose()?;
+    Ok(Imaging { timing: timing(scenario), psf })
+}
+
+/// A measured kernel from an image or from numbers in lines.
+fn kernel(path: &Path) -> Result<Kernel, Error> {
+    let is_text = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    let (columns, rows, values) = if is_text {
+        numbers(path)?
+    } else {
+        let picture = Picture::open(path, None)?;
+        (picture.columns, picture.rows, picture.values.into_iter().map(f64::from).collect())
+    };
+    Ok(Kernel::new(columns, rows, &values)?)
+}
+
+/// Lines of numbers with commas between them; lines that begin with # are comments.
+fn numbers(path: &Path) -> Result<(usize, usize, Vec<f64>), Error> {
+    let text = std::fs::read_to_string(path).map_err(|source| Error::UnreadableKernel { path: path.into(), source })?;
+    let mut table: Vec<Vec<f64>> = Vec::new();
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
+        let error = |got: &str| Error::KernelLine { path: path.into(), line: index + 1, got: got.into() };
+        let number = |cell: &str| cell.trim().parse().map_err(|_| error(cell));
+        let row = line.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+        if table.first().is_some_and(|first| first.len() != row.len()) {
+            return Err(error(line));
+        }
+        table.push(row);
+    }
+    Ok((table.first().map_or(0, Vec::len), table.len(), table.concat()))
 }
 
 pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
@@ -45,8 +100,9 @@ pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
         gain_dn_e: 1.0 / written.gain_e_per_dn,
         offset_dn: written.offset_dn,
         bits: written.bits,
-        prnu: 0.0,
-        dsnu_e: 0.0,
+        prnu: written.prnu,
+        dsnu_e: written.dsnu_e,
+        blooming: written.blooming,
         seed: scenario.seed,
     };
     detector.check()?;

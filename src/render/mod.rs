@@ -2,11 +2,12 @@
 //!
 //! [`Scene`] and [`View`] are all that a renderer reads. [`mod@reference`] renders them in f64, one ray at a time,
 //! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
-//! [`planes`] makes the image.
+//! [`planes`] makes the image. [`imaging`] takes it with a lens that blurs and a shutter that takes its time.
 
 pub mod bounce;
 mod diffuse;
 pub mod image;
+pub mod imaging;
 pub mod layout;
 pub mod passes;
 pub mod planes;
@@ -17,9 +18,10 @@ pub mod view;
 pub use bounce::Bounce;
 pub use diffuse::Diffuse;
 pub use image::{Image, Plane, Quantity};
+pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{AlbedoRole, Ambient, Light, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View};
 
 use std::time::Duration;
 
@@ -33,7 +35,12 @@ pub trait Renderer {
     /// The adapter on one line, for manifests.
     fn adapter(&self) -> String;
 
-    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError>;
+    /// What some rays from the view's pose see.
+    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError>;
+
+    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+        self.follow(scene, &scene.rays(), view)
+    }
 
     /// What the device spent on the last view, where it can tell.
     fn device_time(&self) -> Option<Duration> {

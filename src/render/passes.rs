@@ -25,7 +25,8 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{AlbedoRole, Diffuse, RenderError, Renderer, Scene, Shadows, View, reference, refine};
+use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, reference, refine};
+use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
@@ -53,10 +54,28 @@ pub struct Passes<'a> {
 /// What stays on the device from view to view.
 #[derive(Debug)]
 struct Prepared {
-    pipeline: ComputePipeline,
+    shader: String,
+    constants: Vec<(&'static str, f64)>,
+    programs: Vec<Program>,
+    tables: Vec<Table>,
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
+}
+
+/// The pass for a number of rays a pixel, with their centre or without.
+#[derive(Debug)]
+struct Program {
+    samples_per_side: usize,
+    centres: bool,
+    pipeline: ComputePipeline,
+}
+
+/// The directions of some rays, on the device.
+#[derive(Debug)]
+struct Table {
+    rays: Rays,
+    program: usize,
     bands: Vec<Band>,
 }
 
@@ -84,7 +103,7 @@ impl Renderer for Passes<'_> {
         self.device_time
     }
 
-    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
         if self.prepared.is_none() {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
         }
@@ -92,12 +111,13 @@ impl Renderer for Passes<'_> {
         // Bounced light is found on the host, from the same shadows as the reference renderer's.
         let shadow = scene.bounce.as_ref().and_then(|_| reference::shadow(scene, view));
         let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-        let Dispatched { pixels, centres, seconds } = prepared.dispatch(self.gpu, scene, view, diffuse.as_ref())?;
+        let Dispatched { pixels, centres, seconds } =
+            prepared.dispatch(self.gpu, scene, rays, view, diffuse.as_ref())?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
-        let centres = if scene.needs_centres() { prepared.hits(scene, view, &centres) } else { Vec::new() };
+        let centres = if rays.centres { prepared.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        refine::settle(scene, view, diffuse.as_ref(), &mut samples);
+        refine::settle(scene, rays, view, diffuse.as_ref(), &mut samples);
         Ok(samples)
     }
 }
@@ -105,16 +125,7 @@ impl Renderer for Passes<'_> {
 impl Prepared {
     fn new(gpu: &Gpu, scene: &Scene, view: &View) -> Result<Self, RenderError> {
         let ground = DeviceGround::new(gpu, scene)?;
-        let offsets = scene.sample_offsets();
-        // Where a sample goes through the centre it serves for both.
-        let central = offsets.iter().position(|offset| *offset == DVec2::ZERO);
-        let extra = scene.needs_centres() && central.is_none();
-        let rays_per_pixel = offsets.len() + usize::from(extra);
-        let centre = if scene.needs_centres() { central.unwrap_or(offsets.len()) } else { rays_per_pixel };
         let mut constants = vec![
-            ("RAYS", rays_per_pixel as f64),
-            ("SAMPLES", offsets.len() as f64),
-            ("CENTRE", centre as f64),
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
@@ -144,26 +155,61 @@ impl Prepared {
         constants.push(("SKYLINES", f64::from(source)));
         constants.extend(ground.encoding.constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
-        let mut points = offsets;
-        if extra {
-            points.push(DVec2::ZERO);
-        }
         Ok(Self {
-            pipeline: gpu.compute("radiance", &shader, "main", &constants)?,
+            shader,
+            constants,
+            programs: Vec::new(),
+            tables: Vec::new(),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
-            bands: Band::all(gpu, scene, &points),
         })
+    }
+
+    /// Where the table of some rays is; it is made once.
+    fn table(&mut self, gpu: &Gpu, rays: &Rays) -> Result<usize, RenderError> {
+        if let Some(index) = self.tables.iter().position(|table| table.rays == *rays) {
+            return Ok(index);
+        }
+        let mut points = rays.offsets();
+        let samples = points.len();
+        // Where a sample goes through the centre it serves for both.
+        let central = points.iter().position(|offset| *offset == DVec2::ZERO);
+        if rays.centres && central.is_none() {
+            points.push(DVec2::ZERO);
+        }
+        let centre = if rays.centres { central.unwrap_or(samples) } else { points.len() };
+        let same =
+            |program: &Program| (program.samples_per_side, program.centres) == (rays.samples_per_side, rays.centres);
+        let program = match self.programs.iter().position(same) {
+            Some(program) => program,
+            None => {
+                let numbers = [("RAYS", points.len()), ("SAMPLES", samples), ("CENTRE", centre)];
+                let numbers = numbers.map(|(name, number)| (name, number as f64));
+                let constants = [&numbers[..], &self.constants].concat();
+                let pipeline = gpu.compute("radiance", &self.shader, "main", &constants)?;
+                self.programs.push(Program {
+                    samples_per_side: rays.samples_per_side,
+                    centres: rays.centres,
+                    pipeline,
+                });
+                self.programs.len() - 1
+            }
+        };
+        let bands = Band::all(gpu, &rays.optics, &points);
+        self.tables.push(Table { rays: rays.clone(), program, bands });
+        Ok(self.tables.len() - 1)
     }
 
     fn dispatch(
         &mut self,
         gpu: &Gpu,
         scene: &Scene,
+        rays: &Rays,
         view: &View,
         diffuse: Option<&Diffuse>,
     ) -> Result<Dispatched, RenderError> {
+        let table = self.table(gpu, rays)?;
         let bounced = diffuse.filter(|_| scene.bounce.is_some());
         let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
         let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &view.held_lights()));
@@ -184,7 +230,9 @@ impl Prepared {
         // A sweep varies the albedo between views.
         let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
-        for band in &self.bands {
+        let table = &self.tables[table];
+        let pipeline = &self.programs[table.program].pipeline;
+        for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
@@ -212,10 +260,10 @@ impl Prepared {
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.
             let across = groups.min(1 << 15);
-            let spent = gpu.run(&self.pipeline, &buffers, [across as u32, groups.div_ceil(across) as u32, 1]);
+            let spent = gpu.run(pipeline, &buffers, [across as u32, groups.div_ceil(across) as u32, 1]);
             seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
-            if scene.needs_centres() {
+            if rays.centres {
                 centres.extend(gpu.read::<CentreOut>(&centres_out)?);
             }
         }
@@ -228,14 +276,15 @@ impl Prepared {
     }
 
     /// The centres' hits in f64: the device says where on which cell, the host computes the point.
-    fn hits(&self, scene: &Scene, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
+    fn hits(&self, scene: &Scene, optics: &Optics, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
         use rayon::prelude::*;
-        let columns = scene.optics.columns as usize;
+        let columns = optics.columns as usize;
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
-        centres.par_iter().enumerate().map(|(index, centre)| self.hit(scene, view, pixel(index), centre)).collect()
+        let hit = |(index, centre): (usize, &CentreOut)| self.hit(scene, optics, view, pixel(index), centre);
+        centres.par_iter().enumerate().map(hit).collect()
     }
 
-    fn hit(&self, scene: &Scene, view: &View, pixel: DVec2, centre: &CentreOut) -> Option<Hit> {
+    fn hit(&self, scene: &Scene, optics: &Optics, view: &View, pixel: DVec2, centre: &CentreOut) -> Option<Hit> {
         let terrain = &scene.surface.terrain;
         match centre.ground {
             CentreOut::DEM => {
@@ -250,7 +299,7 @@ impl Prepared {
             }
             CentreOut::MISS => None,
             ground => {
-                let direction = view.camera_from_body.inverse() * scene.optics.direction(pixel)?;
+                let direction = view.camera_from_body.inverse() * optics.direction(pixel)?;
                 let distance_m = f64::from(centre.distance_m);
                 let ground = if ground == CentreOut::GAP { Ground::Gap } else { Ground::Bare };
                 let position: Position<BodyFixed> =

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Image, Plane, Quantity, Scene, View, refine};
-use crate::camera::Detector;
+use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Direction, Position};
 use crate::terrain::{Ground, Hit};
 
@@ -84,23 +84,29 @@ impl Quantity {
     }
 }
 
-/// The planes of `scene.quantities`, but for labels.
-pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
-    image_with(scene, scene.detector.as_ref(), view, samples)
+/// Rows of an image that are seen through one part of the optics from one pose.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    pub optics: &'a Optics,
+    pub view: &'a View,
+    pub samples: &'a Samples,
 }
 
-/// As [`image`], with another detector than the scene's.
-pub fn image_with(scene: &Scene, detector: Option<&Detector>, view: &View, samples: &Samples) -> Image {
-    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+/// The planes of `scene.quantities`, but for labels, of an image that is taken at once.
+pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
+    image_of(scene, scene.detector.as_ref(), &[Part { optics: &scene.optics, view, samples }])
+}
+
+/// The planes of an image of parts, but for labels, the upper one first.
+pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> Image {
+    let rows = parts.iter().map(|part| part.optics.rows as usize).sum();
+    let columns = parts.first().map_or(0, |part| part.optics.columns as usize);
     let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
         let channels = match quantity {
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
-                vec![digital_numbers(scene, detector, view, quantity, samples)]
+                vec![digital_numbers(scene, detector, parts, quantity, columns)]
             }
-            _ if quantity.is_geometric() => geometric_channels(scene, view, quantity, samples),
-            _ => {
-                vec![by_pixel(scene, |index, pixel| radiometric(scene, view, quantity, pixel, &samples.pixels[index]))]
-            }
+            _ => joined(parts.iter().map(|part| part.channels(scene, quantity))),
         };
         let named = quantity.channels().iter().zip(channels);
         named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
@@ -108,39 +114,75 @@ pub fn image_with(scene: &Scene, detector: Option<&Detector>, view: &View, sampl
     Image { columns, rows, planes: planes.collect() }
 }
 
-/// One value a pixel, from its index and its image coordinates.
-fn by_pixel<T: Send>(scene: &Scene, value: impl Fn(usize, DVec2) -> T + Sync) -> Vec<T> {
-    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
-    let at = |index: usize| value(index, DVec2::new((index % columns) as f64, (index / columns) as f64));
-    (0..columns * rows).into_par_iter().map(at).collect()
+/// Channels of parts, one below the other.
+fn joined(mut parts: impl Iterator<Item = Vec<Vec<f32>>>) -> Vec<Vec<f32>> {
+    let mut channels = parts.next().unwrap_or_default();
+    for part in parts {
+        channels.iter_mut().zip(part).for_each(|(channel, more)| channel.extend(more));
+    }
+    channels
 }
 
-fn geometric_channels(scene: &Scene, view: &View, quantity: Quantity, samples: &Samples) -> Vec<Vec<f32>> {
-    let values =
-        by_pixel(scene, |index, pixel| geometric(scene, view, quantity, pixel, samples.centres[index].as_ref()));
-    (0..quantity.channels().len()).map(|channel| values.iter().map(|value| value[channel]).collect()).collect()
+impl Part<'_> {
+    fn channels(&self, scene: &Scene, quantity: Quantity) -> Vec<Vec<f32>> {
+        if quantity.is_geometric() {
+            self.geometric_channels(scene, quantity)
+        } else {
+            vec![self.radiometric(scene, quantity)]
+        }
+    }
+
+    fn radiometric(&self, scene: &Scene, quantity: Quantity) -> Vec<f32> {
+        self.by_pixel(|index, pixel| {
+            radiometric(scene, self.optics, self.view, quantity, pixel, &self.samples.pixels[index])
+        })
+    }
+
+    fn geometric_channels(&self, scene: &Scene, quantity: Quantity) -> Vec<Vec<f32>> {
+        let values = self.by_pixel(|index, pixel| {
+            geometric(scene, self.optics, self.view, quantity, pixel, self.samples.centres[index].as_ref())
+        });
+        (0..quantity.channels().len()).map(|channel| values.iter().map(|value| value[channel]).collect()).collect()
+    }
+
+    /// One value a pixel, from its index and its image coordinates.
+    fn by_pixel<T: Send>(&self, value: impl Fn(usize, DVec2) -> T + Sync) -> Vec<T> {
+        let (columns, rows) = (self.optics.columns as usize, self.optics.rows as usize);
+        let at = |index: usize| value(index, DVec2::new((index % columns) as f64, (index / columns) as f64));
+        (0..columns * rows).into_par_iter().map(at).collect()
+    }
 }
 
-/// What the detector makes of the focal plane's irradiance; empty where the scene has no detector.
+/// Irradiance of the focal plane, all parts.
+pub fn focal_plane_irradiance(scene: &Scene, parts: &[Part]) -> Vec<f32> {
+    parts.iter().flat_map(|part| part.radiometric(scene, Quantity::FocalPlaneIrradiance)).collect()
+}
+
+/// What the detector makes of the focal plane's irradiance; empty where there is no detector.
 fn digital_numbers(
     scene: &Scene,
     detector: Option<&Detector>,
-    view: &View,
+    parts: &[Part],
     quantity: Quantity,
-    samples: &Samples,
+    columns: usize,
 ) -> Vec<f32> {
-    let Some(detector) = detector else { return Vec::new() };
-    let light = by_pixel(scene, |index, pixel| {
-        radiometric(scene, view, Quantity::FocalPlaneIrradiance, pixel, &samples.pixels[index])
-    });
+    let Some((detector, part)) = detector.zip(parts.first()) else { return Vec::new() };
+    let light = focal_plane_irradiance(scene, parts);
     let numbers = match quantity {
-        Quantity::DigitalNumber => detector.expose(&light, view.exposure),
-        _ => detector.expose_without_noise(&light),
+        Quantity::DigitalNumber => detector.expose(&light, columns, part.view.exposure),
+        _ => detector.expose_without_noise(&light, columns),
     };
     numbers.into_iter().map(f32::from).collect()
 }
 
-fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+fn radiometric(
+    scene: &Scene,
+    optics: &Optics,
+    view: &View,
+    quantity: Quantity,
+    pixel: DVec2,
+    mean: &Radiometry,
+) -> f32 {
     let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
@@ -156,14 +198,21 @@ fn radiometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, mea
             (f64::from(mean.radiance_w_m2_sr) * std::f64::consts::PI / facing_w_m2) as f32
         }
         Quantity::FocalPlaneIrradiance => {
-            let factor_sr = scene.optics.irradiance_per_radiance_sr(pixel).unwrap_or(f64::NAN);
+            let factor_sr = optics.irradiance_per_radiance_sr(pixel).unwrap_or(f64::NAN);
             (f64::from(mean.radiance_w_m2_sr) * factor_sr) as f32
         }
         _ => unreachable!("{quantity:?} is no mean over samples"),
     }
 }
 
-fn geometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, hit: Option<&Hit>) -> [f32; 3] {
+fn geometric(
+    scene: &Scene,
+    optics: &Optics,
+    view: &View,
+    quantity: Quantity,
+    pixel: DVec2,
+    hit: Option<&Hit>,
+) -> [f32; 3] {
     let single = |value: f64| [value as f32, 0.0, 0.0];
     let is_gap = hit.is_some_and(|hit| hit.ground == Ground::Gap);
     if quantity == Quantity::DemGap {
@@ -200,20 +249,20 @@ fn geometric(scene: &Scene, view: &View, quantity: Quantity, pixel: DVec2, hit: 
         Quantity::SubsolarGroundAzimuth => {
             single(to_sun.map_or(f64::NAN, |to_sun| azimuth_deg(local_m(scene, hit, to_sun.unit()))))
         }
-        Quantity::NorthAzimuth => single(image_azimuth_deg(scene, view, hit, DVec3::Y)),
+        Quantity::NorthAzimuth => single(image_azimuth_deg(scene, optics, view, hit, DVec3::Y)),
         Quantity::SunAzimuth => single(to_sun.map_or(f64::NAN, |to_sun| {
             let local = local_m(scene, hit, to_sun.unit());
-            image_azimuth_deg(scene, view, hit, local.with_z(0.0))
+            image_azimuth_deg(scene, optics, view, hit, local.with_z(0.0))
         })),
-        Quantity::GroundSampleDistance => single(hit.distance_m * pixel_angle_rad(scene, pixel)),
+        Quantity::GroundSampleDistance => single(hit.distance_m * pixel_angle_rad(optics, pixel)),
         _ => unreachable!("{quantity:?} is radiometric"),
     }
 }
 
 /// The angle between a pixel's ray and the next column's.
-pub fn pixel_angle_rad(scene: &Scene, pixel: DVec2) -> f64 {
-    let here = scene.optics.direction(pixel);
-    let next = scene.optics.direction(pixel + DVec2::X);
+pub fn pixel_angle_rad(optics: &Optics, pixel: DVec2) -> f64 {
+    let here = optics.direction(pixel);
+    let next = optics.direction(pixel + DVec2::X);
     here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
 }
 
@@ -233,14 +282,14 @@ fn azimuth_deg(local: DVec3) -> f64 {
 const AZIMUTH_STEP: f64 = 1e-4;
 
 /// How a horizontal local direction looks in the image, from right towards down, 0 to 360.
-fn image_azimuth_deg(scene: &Scene, view: &View, hit: &Hit, local: DVec3) -> f64 {
+fn image_azimuth_deg(scene: &Scene, optics: &Optics, view: &View, hit: &Hit, local: DVec3) -> f64 {
     let body = &scene.surface.terrain.body;
     let along =
         body.local_from_body(body.geodetic_from_position(hit.position)).inverse().turn(local.normalize_or_zero());
     let pixel = |sign: f64| {
         let point_m = hit.position.vector_m() + sign * AZIMUTH_STEP * hit.distance_m * along;
         let direction = Direction::new(view.camera_from_body.turn(point_m - view.camera_position.vector_m()))?;
-        scene.optics.pixel(direction)
+        optics.pixel(direction)
     };
     let step = pixel(1.0).zip(pixel(-1.0)).map_or(DVec2::NAN, |(ahead, behind)| ahead - behind);
     step.y.atan2(step.x).to_degrees().rem_euclid(360.0)

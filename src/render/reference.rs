@@ -16,7 +16,8 @@ use rayon::prelude::*;
 
 use super::planes::{Radiometry, Samples, normal};
 use super::refine::Settled;
-use super::{Diffuse, Light, RenderError, Renderer, Scene, Shadows, View};
+use super::{Diffuse, Light, Rays, RenderError, Renderer, Scene, Shadows, View};
+use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
 use crate::shadow::{Disc, Fetched, FourierMaps, MipmapRuns, Shadow, Site, Skylines, Traced};
@@ -31,19 +32,19 @@ impl Renderer for Reference {
         "reference renderer (CPU, f64)".into()
     }
 
-    fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
+    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
         let shadow = shadow(scene, view);
         let diffuse = Diffuse::of(scene, view, shadow.as_deref());
         let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
-        let offsets = scene.sample_offsets();
-        let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+        let offsets = rays.offsets();
+        let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
         let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
         let pixels = (0..columns * rows)
             .into_par_iter()
-            .map(|index| mean(scene, view, lighting, pixel(index), &offsets))
+            .map(|index| mean(scene, &rays.optics, view, lighting, pixel(index), &offsets))
             .collect();
-        let centres = if scene.needs_centres() {
-            (0..columns * rows).into_par_iter().map(|index| look(scene, view, pixel(index))).collect()
+        let centres = if rays.centres {
+            (0..columns * rows).into_par_iter().map(|index| look(scene, &rays.optics, view, pixel(index))).collect()
         } else {
             Vec::new()
         };
@@ -85,17 +86,24 @@ pub fn sun_fraction(scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, hit
 }
 
 /// What the ray through an image point meets.
-fn look(scene: &Scene, view: &View, pixel: DVec2) -> Option<Hit> {
-    let direction: Direction<Camera> = scene.optics.direction(pixel)?;
+fn look(scene: &Scene, optics: &Optics, view: &View, pixel: DVec2) -> Option<Hit> {
+    let direction: Direction<Camera> = optics.direction(pixel)?;
     scene.surface.intersect(view.camera_position, view.camera_from_body.inverse() * direction)
 }
 
 /// What a pixel's samples see on average.
-pub fn mean(scene: &Scene, view: &View, lighting: Lighting, pixel: DVec2, offsets: &[DVec2]) -> Radiometry {
+pub fn mean(
+    scene: &Scene,
+    optics: &Optics,
+    view: &View,
+    lighting: Lighting,
+    pixel: DVec2,
+    offsets: &[DVec2],
+) -> Radiometry {
     let mut sum = Sample::default();
     let mut hits = 0.0;
     for &offset in offsets {
-        let Some(hit) = look(scene, view, pixel + offset) else { continue };
+        let Some(hit) = look(scene, optics, view, pixel + offset) else { continue };
         let sample = shade(scene, view, lighting, &hit);
         sum.radiance += sample.radiance;
         sum.irradiance += sample.irradiance;

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 use super::planes::{Samples, normal};
 use super::reference::{self, Lighting, site};
-use super::{Diffuse, Scene, Shadows, View};
+use super::{Diffuse, Rays, Scene, Shadows, View};
 use crate::photometry::DiskLight;
 use crate::shadow::{Disc, FourierMaps, Shadow, Site, Traced};
 use crate::terrain::{Ground, Hit};
@@ -84,21 +84,21 @@ pub fn sun_fraction_sigma(scene: &Scene, view: &View, hit: &Hit) -> f64 {
 }
 
 /// Renders again what a device's samples leave open.
-pub fn settle(scene: &Scene, view: &View, diffuse: Option<&Diffuse>, samples: &mut Samples) {
+pub fn settle(scene: &Scene, rays: &Rays, view: &View, diffuse: Option<&Diffuse>, samples: &mut Samples) {
     let Some(settled) = Settled::of(scene) else { return };
-    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+    let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
     let is_open = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| is_open(scene, view, &settled.maps, hit));
     let open: Vec<bool> = samples.centres.par_iter().map(is_open).collect();
-    let reach = usize::from(scene.samples_per_side > 1);
+    let reach = usize::from(rays.samples_per_side > 1);
     let concerned = |index: usize| {
         let near = |at: usize, count: usize| at.saturating_sub(reach)..(at + reach + 1).min(count);
         let (column, row) = (index % columns, index / columns);
         near(row, rows).any(|row| near(column, columns).any(|column| open[row * columns + column]))
     };
-    let offsets = scene.sample_offsets();
+    let offsets = rays.offsets();
     samples.pixels.par_iter_mut().enumerate().filter(|(index, _)| concerned(*index)).for_each(|(index, pixel)| {
         let at = DVec2::new((index % columns) as f64, (index / columns) as f64);
         let lighting = Lighting { shadow: Some(&settled), diffuse };
-        *pixel = reference::mean(scene, view, lighting, at, &offsets);
+        *pixel = reference::mean(scene, &rays.optics, view, lighting, at, &offsets);
     });
 }

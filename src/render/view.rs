@@ -1,6 +1,6 @@
 //! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
 
-use crate::camera::{Camera as Optics, Detector};
+use crate::camera::{Camera as Optics, Detector, Pose};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, Reflectance, SolarDisk};
@@ -125,13 +125,42 @@ pub struct Light {
 }
 
 impl View {
+    /// The same exposure and lights from another pose.
+    pub fn from(&self, pose: &Pose) -> Self {
+        Self { camera_position: pose.position, camera_from_body: pose.camera_from_body, ..self.clone() }
+    }
+
     /// The lights as methods that find skylines in advance see them.
     pub fn held_lights(&self) -> Vec<HeldLight> {
         self.lights.iter().map(|light| HeldLight::new(light.position, light.angular_radius_rad)).collect()
     }
 }
 
+/// Rays that a renderer shall follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rays {
+    pub optics: Optics,
+    /// Samples along each side of a pixel, on a regular grid.
+    pub samples_per_side: usize,
+    /// Whether one ray goes through each pixel's centre and its hit is told.
+    pub centres: bool,
+}
+
+impl Rays {
+    /// Offsets of the samples from the pixel's centre, in pixels.
+    pub fn offsets(&self) -> Vec<glam::DVec2> {
+        let n = self.samples_per_side;
+        let offset = |i: usize| (i as f64 + 0.5) / n as f64 - 0.5;
+        (0..n * n).map(|i| glam::DVec2::new(offset(i % n), offset(i / n))).collect()
+    }
+}
+
 impl Scene {
+    /// Those of the whole image from one pose.
+    pub fn rays(&self) -> Rays {
+        Rays { optics: self.optics.clone(), samples_per_side: self.samples_per_side, centres: self.needs_centres() }
+    }
+
     /// Radiance over irradiance of ground where the map of albedos has a value; 1 or none where there is no map.
     pub fn brdf_sr(&self, albedo: f64, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
         match (self.albedo_role, self.reflectance) {
@@ -154,12 +183,5 @@ impl Scene {
     /// True where refinement or any of the quantities needs the ray through the pixel's centre.
     pub fn needs_centres(&self) -> bool {
         self.refine.is_some() || self.quantities.iter().any(|quantity| quantity.is_geometric())
-    }
-
-    /// Offsets of the samples from the pixel's centre, in pixels.
-    pub fn sample_offsets(&self) -> Vec<glam::DVec2> {
-        let n = self.samples_per_side;
-        let offset = |i: usize| (i as f64 + 0.5) / n as f64 - 0.5;
-        (0..n * n).map(|i| glam::DVec2::new(offset(i % n), offset(i / n))).collect()
     }
 }

@@ -17,6 +17,7 @@ mod error;
 mod files;
 mod light;
 mod motion;
+mod presets;
 mod resolve;
 mod resolved;
 mod structure;

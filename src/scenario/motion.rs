@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use hifitime::{Epoch, Unit};
 
 use super::resolve::Check;
-use super::resolved::{Elements, Pointing, Towards, Trajectory, Waypoint};
+use super::resolved::{Camera, Elements, Pointing, Towards, Trajectory, Waypoint};
 use super::spec::{self, HeightAbove, Spec};
 use super::world;
 use crate::geometry::Geodetic;
@@ -16,13 +16,18 @@ const QUATERNION_LENGTH_TOLERANCE: f64 = 1e-3;
 const MOST_EXPOSURES: u32 = 100_000;
 
 /// Epochs in order; empty where none could be read.
-pub fn exposures(written: &spec::Exposures, check: &mut Check) -> Vec<Epoch> {
+pub fn exposures(written: &spec::Exposures, camera: &Camera, check: &mut Check) -> Vec<Epoch> {
     match written {
         spec::Exposures::Series { start, step_s, count } => {
             let Some(start) = check.epoch("exposures.start", start) else { return Vec::new() };
             (0..(*count).min(MOST_EXPOSURES)).map(|index| after(start, step_s * f64::from(index))).collect()
         }
         spec::Exposures::List(texts) => listed(texts, check),
+        spec::Exposures::Isd => {
+            check.needs(camera.isd.is_some(), "exposures", "needs camera.isd, whose centre time it takes");
+            let centre = camera.isd.as_ref().map_or(0.0, |isd| isd.centre_tdb_s);
+            vec![Epoch::from_et_seconds(centre)]
+        }
     }
 }
 
@@ -58,6 +63,13 @@ pub fn trajectory(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Trajec
             Trajectory::Spk { path, naif_id: *naif_id }
         }
         spec::Trajectory::Oem { path } => Trajectory::Oem { path: check.file("trajectory.path", path) },
+        spec::Trajectory::Isd => {
+            check.needs(spec.camera.isd.is_some(), "trajectory", "needs camera.isd, whose poses it takes");
+            check.needs(spec.camera.moments == 1, "camera.moments", "needs a trajectory: an ISD has one pose a line");
+            let free = spec.pointing == spec::Pointing::default();
+            check.needs(free, "pointing", "contradicts trajectory: Isd, which says it");
+            Trajectory::Isd
+        }
         spec::Trajectory::Orbit { .. } => orbit(&spec.trajectory, check),
         spec::Trajectory::State { epoch, position_m, velocity_m_s, gm_m3_s2 } => {
             let position_m = DVec3::from(*position_m);
@@ -152,7 +164,11 @@ pub fn pointing(spec: &Spec, exposures: &[Epoch], check: &mut Check) -> Pointing
         spec::Towards::Table { points } => table(points, exposures, check),
         spec::Towards::Aem { path } => Towards::Aem { path: check.file("pointing.towards.path", path) },
     };
-    Pointing { towards, roll_rad: written.roll_deg.to_radians() }
+    let turned = matches!(towards, Towards::Table(_));
+    check.needs(!turned || written.top.is_none(), "pointing.top", "has no meaning with a fixed attitude");
+    let still = stands_still && written.top == Some(spec::Top::Velocity);
+    check.needs(!still, "pointing.top", "needs a trajectory that moves: of two waypoints or more");
+    Pointing { towards, top: written.top, roll_rad: written.roll_deg.to_radians() }
 }
 
 fn table(points: &[spec::Pose], exposures: &[Epoch], check: &mut Check) -> Towards {

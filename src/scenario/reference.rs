@@ -154,7 +154,7 @@ mod tests {
         for line in [
             "title*: text",
             "    focal_length_mm: number in [1, 10000] mm",
-            "    columns*: whole number in [1, 16384]",
+            "    columns: whole number in [1, 16384]",
             "    - Fourier: From Fourier-compressed horizon maps, evaluated at every sample.",
             "shadows: one of = Fourier",
             "        posting_m*: number in [0.01, 100000] m",

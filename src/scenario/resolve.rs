@@ -7,7 +7,7 @@ use super::files::{Found, Places};
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::tree::{self, Node, Place};
-use super::{camera, light, motion, structure, sweep, world};
+use super::{camera, light, motion, presets, structure, sweep, world};
 
 /// Says what a file is and where it can be had, by its name.
 pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -51,13 +51,17 @@ pub fn resolve(path: &Path, text: &str, places: &Places, about: About) -> Result
 
 /// Reads the text with `ron`, with the extensions that make files plain.
 fn parse(text: &str) -> Result<Spec, Problem> {
-    use ron::extensions::Extensions;
-    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    ron::Options::default().with_default_extension(extensions).from_str(text).map_err(|error| Problem {
+    read(text).map_err(|error| Problem {
         place: Place { line: error.span.start.line, column: error.span.start.col },
         key: String::new(),
         fault: Fault::Syntax(first_letter_lower(&error.code.to_string())),
     })
+}
+
+pub(super) fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, ron::error::SpannedError> {
+    use ron::extensions::Extensions;
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    ron::Options::default().with_default_extension(extensions).from_str(text)
 }
 
 fn first_letter_lower(text: &str) -> String {
@@ -128,8 +132,11 @@ impl Check<'_> {
 }
 
 fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario {
+    let spec = &presets::completed(spec);
     check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
-    let exposures = motion::exposures(&spec.exposures, check);
+    let (camera, detector) = camera::camera(spec, check);
+    let exposures = motion::exposures(&spec.exposures, &camera, check);
+    let landmarks = camera::landmarks(spec, &camera, check);
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
@@ -159,13 +166,13 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         bounce: spec.bounce,
         trajectory: motion::trajectory(spec, &exposures, check),
         pointing: motion::pointing(spec, &exposures, check),
-        camera: camera::camera(&spec.camera, check),
-        detector: camera::detector(spec, check),
+        outputs: camera::outputs(spec, &camera, detector.is_some(), check),
+        camera,
+        detector,
         exposures,
+        landmarks,
         sweep: None,
         split: spec.split.inspect(|split| sweep::check_split(split, check)),
-        outputs: camera::outputs(spec, check),
-        landmarks: camera::landmarks(spec, check),
         hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
     };

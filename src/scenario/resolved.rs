@@ -7,12 +7,14 @@ use hifitime::Epoch;
 
 use super::spec;
 use super::sweep::Sweep;
+use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::photometry::Curve;
 
 pub use super::spec::{
-    Ambient, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preview, Shadows, Sky, Split, Values,
+    Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, Shadows, Sky,
+    Split, Top, Values,
 };
 
 /// All that a run needs, as plain values.
@@ -212,6 +214,8 @@ pub enum Trajectory {
         velocity_m_s: DVec3,
         gm_m3_s2: Option<f64>,
     },
+    /// The poses of the camera's ISD.
+    Isd,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -233,6 +237,8 @@ pub struct Elements {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pointing {
     pub towards: Towards,
+    /// `None`: the law's own.
+    pub top: Option<Top>,
     /// From +x (right) towards +y (down).
     pub roll_rad: f64,
 }
@@ -260,14 +266,35 @@ pub struct Camera {
     pub focal_length_px: f64,
     /// `None`: the scenario gave a field of view.
     pub pixel_pitch_m: Option<f64>,
-    /// From the outer corner of the top left pixel.
+    /// From the outer corner of the top left pixel; of scanners, of one line or framelet.
     pub principal_point_px: [f64; 2],
     pub distortion: Option<Distortion>,
+    /// On the plane at distance 1, from measured to ideal.
+    pub correction: Option<Correction>,
+    pub vignetting: Vignetting,
+    pub spreads: Vec<Spread>,
+    /// A measured kernel, which follows the spreads.
+    pub kernel: Option<PathBuf>,
     /// A square number.
     pub samples_per_pixel: u32,
     pub f_number: f64,
     pub transmission: f64,
     pub exposure_s: f64,
+    /// `None`: `exposure_s` holds.
+    pub auto_exposure: Option<AutoExposure>,
+    /// Of each exposure; odd.
+    pub moments: u32,
+    pub shutter: Shutter,
+    /// What the figures were taken from.
+    pub preset: Option<Preset>,
+    pub isd: Option<Box<Isd>>,
+}
+
+impl Camera {
+    /// However the exposure is chosen.
+    pub fn longest_exposure_s(&self) -> f64 {
+        self.auto_exposure.map_or(self.exposure_s, |auto| auto.longest_s)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -26,7 +26,7 @@ pub fn check(tree: &Node) -> Vec<Problem> {
 
 /// The unit that ends a key's name, as in `focal_length_mm`.
 pub fn unit(key: &str) -> &'static str {
-    const UNITS: [(&str, &str); 14] = [
+    const UNITS: [(&str, &str); 15] = [
         ("_w_m2_sr", "W m-2 sr-1"),
         ("_w_m2", "W m-2"),
         ("_m3_s2", "m3 s-2"),
@@ -38,6 +38,7 @@ pub fn unit(key: &str) -> &'static str {
         ("_um", "um"),
         ("_nm", "nm"),
         ("_au", "au"),
+        ("_px", "px"),
         ("_m", "m"),
         ("_s", "s"),
         ("_e", "electrons"),
@@ -111,7 +112,8 @@ impl<'a> Check<'a> {
 
     fn object(&mut self, schema: &'a Json, node: &Node, key: &str) {
         let Value::Struct(fields) = &node.unwrapped().value else {
-            let expected = format!("({})", required(schema).collect::<Vec<_>>().join(", "));
+            let needed: Vec<&str> = required(schema).collect();
+            let expected = if needed.is_empty() { "(…)".into() } else { format!("({})", needed.join(", ")) };
             return self.wrong_type(node, key, &expected);
         };
         for (index, field) in fields.iter().enumerate() {

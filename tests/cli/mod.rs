@@ -1,6 +1,7 @@
 //! What the program says and writes.
 
 mod bad_input;
+mod camera;
 mod ephemeris;
 mod horizon;
 mod illuminate;

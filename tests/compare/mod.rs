@@ -5,4 +5,4 @@ mod archives;
 mod cameras;
 mod itself;
 mod registration;
-mod scene;
+pub mod scene;

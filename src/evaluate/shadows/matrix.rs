@@ -89,7 +89,7 @@ pub fn run(
         let elevation_rad = elevation_deg.to_radians();
         scenario.sun.fixed = Some(FixedSun { azimuth_rad, elevation_rad, distance_m: ASTRONOMICAL_UNIT_M });
         let (surface, centre) = (&prepared.ground.surface, prepared.ground.centre);
-        let all =
+        let (all, _) =
             motion::exposures(std::slice::from_ref(&scenario), &prepared.almanac, &prepared.frame, surface, centre)?;
         // A swath needs no azimuths but this one's.
         prepared.exposures = vec![all[options.exposure].clone()];

@@ -4,8 +4,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 use wgpu::Buffer;
 
+use crate::camera::Camera as Optics;
 use crate::gpu::Gpu;
-use crate::render::Scene;
 
 /// The shader takes rays beyond 1e20 for none.
 const NO_RAY: f32 = 1e30;
@@ -22,14 +22,14 @@ pub struct Band {
 
 impl Band {
     /// All bands of an image, each pixel with one ray through each of `points` (offsets from its centre).
-    pub fn all(gpu: &Gpu, scene: &Scene, points: &[DVec2]) -> Vec<Self> {
-        let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+    pub fn all(gpu: &Gpu, optics: &Optics, points: &[DVec2]) -> Vec<Self> {
+        let (columns, rows) = (optics.columns as usize, optics.rows as usize);
         let rows_at_once = (RAYS_AT_ONCE / (points.len() * columns)).clamp(1, rows);
         (0..rows)
             .step_by(rows_at_once)
             .map(|first| {
                 let until = (first + rows_at_once).min(rows);
-                let rays = directions(scene, first..until, points);
+                let rays = directions(optics, first..until, points);
                 Band { pixels: (until - first) * columns, rays: gpu.storage("rays", &rays) }
             })
             .collect()
@@ -37,13 +37,13 @@ impl Band {
 }
 
 /// `x/z, y/z` of each ray, pixel by pixel; `NO_RAY` where the optics see nothing.
-fn directions(scene: &Scene, rows: std::ops::Range<usize>, points: &[DVec2]) -> Vec<[f32; 2]> {
+fn directions(optics: &Optics, rows: std::ops::Range<usize>, points: &[DVec2]) -> Vec<[f32; 2]> {
     rows.into_par_iter()
         .flat_map_iter(|row| {
-            (0..scene.optics.columns).flat_map(move |column| {
+            (0..optics.columns).flat_map(move |column| {
                 points.iter().map(move |offset| {
                     let pixel = DVec2::new(column as f64, row as f64) + *offset;
-                    scene.optics.direction(pixel).map_or([NO_RAY; 2], |direction| {
+                    optics.direction(pixel).map_or([NO_RAY; 2], |direction| {
                         let d = direction.unit();
                         [(d.x / d.z) as f32, (d.y / d.z) as f32]
                     })

@@ -1,5 +1,6 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
+mod camera;
 mod output;
 mod sweep;
 mod view;
@@ -8,11 +9,12 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use camera::{
+    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
+};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use sweep::{Axis, Design, Split, Sweep};
-pub use view::{
-    Camera, Distortion, Exposures, HeightAbove, Pointing, Pose, PrincipalPoint, Towards, Trajectory, Waypoint,
-};
+pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
     Photometry, Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,

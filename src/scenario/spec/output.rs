@@ -34,6 +34,17 @@ pub struct Detector {
     /// Bits of a digital number.
     #[schemars(range(min = 1, max = 16))]
     pub bits: u32,
+    /// Standard deviation of the pixels' gains, relative (PRNU).
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub prnu: f64,
+    /// Standard deviation of the pixels' dark offsets (DSNU).
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub dsnu_e: f64,
+    /// Whether full wells spill along their column.
+    #[serde(default)]
+    pub blooming: bool,
 }
 
 /// What is written.

@@ -1,4 +1,4 @@
-//! Trajectory, pointing, camera and exposures, as written.
+//! Trajectory, pointing and exposures, as written.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,6 +69,8 @@ pub enum Trajectory {
         #[schemars(range(min = 1.0, max = 1e20))]
         gm_m3_s2: Option<f64>,
     },
+    /// The poses of `camera.isd`, body-fixed, whatever the epoch; no pointing beside it.
+    Isd,
 }
 
 /// A point of a path.
@@ -105,9 +107,22 @@ pub enum HeightAbove {
 pub struct Pointing {
     /// What the boresight follows.
     pub towards: Towards,
+    /// Whither the top of the image leans. Default: North for Nadir, otherwise Up; fixed attitudes have none.
+    pub top: Option<Top>,
     /// Turns the camera about its boresight, from +x (right) towards +y (down).
     #[schemars(range(min = -360.0, max = 360.0))]
     pub roll_deg: f64,
+}
+
+/// Whither the top of the image leans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Top {
+    /// To the north pole.
+    North,
+    /// In the direction of flight: a scanner's first line is then the image's last, `first: Bottom`.
+    Velocity,
+    /// Away from the ground.
+    Up,
 }
 
 /// What the boresight follows.
@@ -184,108 +199,6 @@ pub struct Pose {
     pub z: f64,
 }
 
-/// The camera: a pinhole with a lens. Axes: +x right, +y down, +z along the boresight (OpenCV).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Camera {
-    /// Width of the image in pixels.
-    #[schemars(range(min = 1, max = 16384))]
-    pub columns: u32,
-    /// Height of the image in pixels.
-    #[schemars(range(min = 1, max = 16384))]
-    pub rows: u32,
-    /// Horizontal field of view between the outer edges of the image. Give this or `focal_length_mm`.
-    #[serde(default)]
-    #[schemars(range(min = 1e-4, max = 170.0))]
-    pub field_of_view_deg: Option<f64>,
-    /// Focal length. It needs `pixel_pitch_um`.
-    #[serde(default)]
-    #[schemars(range(min = 1.0, max = 10_000.0))]
-    pub focal_length_mm: Option<f64>,
-    /// Distance of neighbouring pixels' centres on the detector.
-    #[serde(default)]
-    #[schemars(range(min = 0.1, max = 1000.0))]
-    pub pixel_pitch_um: Option<f64>,
-    /// Where the boresight meets the image; 0, 0 is the outer corner of the top left pixel. Default: the middle.
-    #[serde(default)]
-    pub principal_point: Option<PrincipalPoint>,
-    /// Lens distortion. Default: none.
-    #[serde(default)]
-    pub distortion: Option<Distortion>,
-    /// Rays a pixel is averaged over: a square number.
-    #[serde(default = "four")]
-    #[schemars(range(min = 1, max = 1024))]
-    pub samples_per_pixel: u32,
-    /// Wavelengths between which the camera is sensitive, within 100 to 20 000 nm. Default: the whole spectrum.
-    #[serde(default)]
-    pub band_nm: Option<(f64, f64)>,
-    /// Instead of `band_nm` a file of two columns: wavelength in nm, and the share of the light that counts, 0 to 1, of
-    /// filters and detector together. `detector.quantum_efficiency` is then that where the share is 1.
-    #[serde(default)]
-    pub response: Option<String>,
-    /// Focal length over the diameter of the aperture.
-    #[serde(default = "f_number")]
-    #[schemars(range(min = 0.5, max = 128.0))]
-    pub f_number: f64,
-    /// Share of the light that the lens lets through.
-    #[serde(default = "one")]
-    #[schemars(range(min = 1e-6, max = 1.0))]
-    pub transmission: f64,
-    /// Exposure time. The scene stands still meanwhile.
-    #[serde(default = "exposure_s")]
-    #[schemars(range(min = 1e-9, max = 3600.0))]
-    pub exposure_s: f64,
-}
-
-fn four() -> u32 {
-    4
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn f_number() -> f64 {
-    4.0
-}
-
-fn exposure_s() -> f64 {
-    1e-3
-}
-
-/// Where the boresight meets the image.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PrincipalPoint {
-    /// Columns from the left edge of the image.
-    #[schemars(range(min = -65536.0, max = 65536.0))]
-    pub column: f64,
-    /// Rows from the top edge of the image.
-    #[schemars(range(min = -65536.0, max = 65536.0))]
-    pub row: f64,
-}
-
-/// Lens distortion: OpenCV's polynomial, from undistorted to distorted.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Distortion {
-    /// Radial, r².
-    #[schemars(range(min = -100.0, max = 100.0))]
-    pub k1: f64,
-    /// Radial, r⁴.
-    #[schemars(range(min = -100.0, max = 100.0))]
-    pub k2: f64,
-    /// Tangential.
-    #[schemars(range(min = -10.0, max = 10.0))]
-    pub p1: f64,
-    /// Tangential.
-    #[schemars(range(min = -10.0, max = 10.0))]
-    pub p2: f64,
-    /// Radial, r⁶.
-    #[schemars(range(min = -100.0, max = 100.0))]
-    pub k3: f64,
-}
-
 /// When images are taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -303,4 +216,6 @@ pub enum Exposures {
     },
     /// At given epochs, each with its scale, in order of time.
     List(#[schemars(length(min = 1, max = 100_000))] Vec<String>),
+    /// One, at the centre time of `camera.isd`.
+    Isd,
 }

@@ -12,7 +12,8 @@
 //! exponent of −3; they are half buried spheres.
 //!
 //! **Means.** What was made up is taken off again as far as it changes the mean over a measured posting: interpolated means are
-//! subtracted [`ROUNDS`] times. So a measurement of the new ground at the old posting finds the old heights.
+//! subtracted [`ROUNDS`] times. So a measurement of the new ground at the old posting finds the
+//! old heights: 0.9 m RMS added to 20 m ground left 0.007 m in the means.
 //!
 //! # Assumptions
 //! The structure function goes on below the posting with the same exponent: on lunar highlands it does to about 1 m (Rosenburg et al.
