@@ -38,7 +38,7 @@ pub enum Encoding {
     W16,
     /// The same in four words: 21.25 bytes.
     W21,
-    /// 16 complex coefficients in equal steps at full resolution: 32 bytes, some 4 on disk.
+    /// 16 complex coefficients in equal steps at full resolution: 32 bytes; its planes compress well where ground is smooth.
     Q,
 }
 
