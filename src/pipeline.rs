@@ -319,7 +319,15 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 
     let start = Instant::now();
     progress.begin("rendering", todo.len(), "exposures");
-    let spent = images::render(&prepared, &mut scene, &imaging, &run, renderer, &mut writer, &todo, progress)?;
+    let spent = images::render(
+        &prepared,
+        &mut scene,
+        images::Instrument { imaging: &imaging, renderer },
+        &run,
+        &mut writer,
+        &todo,
+        progress,
+    )?;
     seconds.rendering = lap(start);
     let start = Instant::now();
     progress.begin("writing previews", 1, "sequence");

@@ -31,7 +31,7 @@ use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use crate::scenario::{self, Scenario};
-use crate::terrain::Ground;
+use crate::terrain::{Ground, Hit};
 use methods::Workshop;
 
 /// What to compare.
@@ -47,6 +47,9 @@ pub struct Options {
 
 /// Shares of the disc nearer than this to none or all of it are not penumbra: the error of the truth's columns.
 const PENUMBRA: f64 = 1e-3;
+
+/// The method whose nodes hold swept skylines.
+const SWATH: &str = "swath";
 
 /// How a method differs from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,16 +131,52 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         cache: &options.cache,
     };
     let (truth, trials) = render_all(scene, &view, &workshop, &options.methods, progress)?;
-    let ground: Vec<bool> = truth
-        .samples
-        .centres
-        .iter()
-        .map(|hit| hit.as_ref().is_some_and(|hit| matches!(hit.ground, Ground::Dem { .. })))
-        .collect();
+    let ground: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit).is_some()).collect();
     if !ground.contains(&true) {
         return Err(Error::NoGround { exposure: options.exposure });
     }
     report(machine, &scenario, &prepared, options, &view, &truth, &trials, &ground)
+}
+
+/// Face and level of the ground that a pixel's centre meets; `None` where there is no terrain.
+fn level_of(hit: &Option<Hit>) -> Option<(usize, usize)> {
+    match hit.as_ref()?.ground {
+        Ground::Dem { face, level, .. } => Some((face, level)),
+        Ground::Gap | Ground::Bare => None,
+    }
+}
+
+/// Errors where each level of the terrain is seen. What a method with skylines at the nodes errs beyond `swath`, whose nodes hold
+/// the swept ones, its encoding does; the rest is interpolated between nodes.
+fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) -> Table {
+    let columns = [
+        ("posting", "m"),
+        ("method", ""),
+        ("pixels", "%"),
+        ("agreement", "%"),
+        ("RMS", ""),
+        ("penumbra RMS", ""),
+        ("RMS against swath", ""),
+    ];
+    let mut table = Table::new("levels", "The same by the terrain's levels; errors in shares of full Sun", &columns);
+    let mut seen: Vec<_> = truth.samples.centres.iter().filter_map(level_of).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    let swath = trials.iter().find(|trial| trial.method.starts_with(SWATH));
+    for (face, level) in seen {
+        let here: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit) == Some((face, level))).collect();
+        let posting_m = prepared.ground.surface.terrain.faces[face].levels[level].posting_m;
+        for trial in trials {
+            let against = |truth: &Trial| compare(&truth.samples.pixels, &trial.samples.pixels, &here, full_w_m2);
+            let found = against(truth);
+            let mut row = vec![posting_m.into(), trial.method.as_str().into()];
+            let shares = [found.ground as f64 / here.len() as f64, found.agreement].map(|share| 100.0 * share);
+            row.extend(shares.into_iter().chain([found.irradiance.rms, found.penumbra.rms]).map(Value::from));
+            row.push(swath.map(|swath| against(swath).irradiance.rms).into());
+            table.rows.push(row);
+        }
+    }
+    table
 }
 
 fn traced_settings(scenario: &Scenario) -> crate::horizon::Settings {
@@ -307,7 +346,7 @@ fn report(
              on a shared machine they are upper bounds."
                 .into(),
         ],
-        tables: vec![scene, methods],
+        tables: vec![scene, methods, levels(prepared, truth, trials, full_w_m2)],
         plots: vec![Plot {
             title: "Error against time".into(),
             x: Axis::logarithmic("time of an image [s]"),

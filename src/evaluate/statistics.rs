@@ -22,8 +22,10 @@ impl Errors {
         }
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / count as f64;
         let mut sizes: Vec<f64> = signed.iter().map(|error| error.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let quantile = |share: f64| sizes[((count - 1) as f64 * share).round() as usize];
+        let mut quantile = |share: f64| {
+            let rank = ((count - 1) as f64 * share).round() as usize;
+            *sizes.select_nth_unstable_by(rank, f64::total_cmp).1
+        };
         Self {
             count,
             mean: mean(&mut signed.iter().copied()),
@@ -31,7 +33,7 @@ impl Errors {
             p50: quantile(0.5),
             p95: quantile(0.95),
             p99: quantile(0.99),
-            max: sizes[count - 1],
+            max: quantile(1.0),
         }
     }
 }

@@ -34,14 +34,14 @@ use super::band::Ends;
 use super::decode::Decoder;
 use super::error::{Error, ErrorStatistics};
 use super::method::Search;
-use super::pack::HorizonMap;
 use super::request::Request;
+use super::shelf::Shelf;
 use super::sweep::grid::Major;
 
 /// Azimuths at which every node is compared with its sweep, at least.
 pub const AZIMUTHS: usize = 60;
-/// Planes that one decoding of the map serves.
-const BLOCK: usize = 4;
+/// Planes that one decoding of the map serves, where there is memory for them.
+pub const BLOCK: usize = 4;
 /// Codes of one doubling, and the binary logarithm of the bound of code 0, in radians.
 const CODES_PER_OCTAVE: f64 = 16.0;
 const LEAST_EXPONENT: f64 = -15.0;
@@ -116,16 +116,17 @@ impl BoundStatistics {
     }
 }
 
-/// The bounds of a map, from a second sweep and the traced errors of some nodes, `[node][azimuth]`.
+/// The bounds of a map, from a second sweep, so many planes at a time, and the traced errors of some nodes, `[node][azimuth]`.
 pub fn bounds(
     request: &Request,
-    map: &HorizonMap,
+    shelf: &Shelf,
+    block: usize,
     nodes: &[[usize; 2]],
     errors_rad: &[Vec<f64>],
 ) -> Result<(Bounds, BoundStatistics), Error> {
-    let level = request.nodes();
+    let (level, map) = (request.nodes(), shelf.map());
     let probed: Vec<usize> = probed(request.settings.azimuths).collect();
-    let largest_rad = largest_errors_rad(request, map, &probed)?;
+    let largest_rad = largest_errors_rad(request, shelf, block, &probed)?;
     let at = |[column, row]: [usize; 2]| f64::from(largest_rad[row * map.columns + column]).max(least_rad());
     let largest = |errors_rad: &Vec<f64>| errors_rad.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
     let ratios = nodes.iter().zip(errors_rad).map(|(node, errors_rad)| largest(errors_rad) / at(*node));
@@ -174,9 +175,10 @@ pub fn share_beyond(measured: usize) -> f64 {
 }
 
 /// The largest error of each node's series against a sweep of some azimuths.
-fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> Result<Vec<f32>, Error> {
+fn largest_errors_rad(request: &Request, shelf: &Shelf, together: usize, probed: &[usize]) -> Result<Vec<f32>, Error> {
     let Request { face, level, settings, .. } = request;
-    let mut largest_rad = vec![0.0_f32; map.columns * map.rows];
+    let (columns, rows) = (shelf.map().columns, shelf.map().rows);
+    let mut largest_rad = vec![0.0_f32; columns * rows];
     let ends = |major: Major| settings.band.map(|band| Ends::of(&band, &face.map, request.nodes(), major));
     let row_ends = ends(Major::Row);
     for major in [Major::Row, Major::Column] {
@@ -184,24 +186,29 @@ fn largest_errors_rad(request: &Request, map: &HorizonMap, probed: &[usize]) -> 
         let plane_ends = ends(major);
         let along = |azimuth: &&usize| Major::of(settings.direction(**azimuth)) == major;
         let azimuths: Vec<usize> = probed.iter().filter(along).copied().collect();
-        for block in azimuths.chunks(BLOCK) {
+        for block in azimuths.chunks(together) {
             let plane = |&azimuth: &usize| super::build::plane(&search, plane_ends.as_ref(), settings, azimuth);
             let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
             let directions: Vec<_> = block.iter().map(|azimuth| settings.direction(*azimuth)).collect();
-            let decoder = Decoder::new(map, &directions);
-            largest_rad.par_chunks_mut(map.columns).enumerate().for_each(|(row, largest_rad)| {
-                let decoded = decoder.row(row);
-                for (plane, decoded_rad) in planes.iter().zip(decoded.chunks(map.columns)) {
-                    for (column, largest_rad) in largest_rad.iter_mut().enumerate() {
-                        let swept_rad = plane.at(major, column, row);
-                        let decoded_rad = match &row_ends {
-                            Some(ends) => ends.clamped(row * map.columns + column, decoded_rad[column]),
-                            None => decoded_rad[column],
-                        };
-                        *largest_rad = largest_rad.max((decoded_rad - swept_rad).abs());
+            for strip in shelf.strips() {
+                let strip = strip?;
+                let decoder = Decoder::new(&strip.map, &directions);
+                let largest_rad = &mut largest_rad[strip.rows.start * columns..strip.rows.end * columns];
+                largest_rad.par_chunks_mut(columns).enumerate().for_each(|(i, largest_rad)| {
+                    let row = strip.rows.start + i;
+                    let decoded = decoder.row(row - strip.first);
+                    for (plane, decoded_rad) in planes.iter().zip(decoded.chunks(columns)) {
+                        for (column, largest_rad) in largest_rad.iter_mut().enumerate() {
+                            let swept_rad = plane.at(major, column, row);
+                            let decoded_rad = match &row_ends {
+                                Some(ends) => ends.clamped(row * columns + column, decoded_rad[column]),
+                                None => decoded_rad[column],
+                            };
+                            *largest_rad = largest_rad.max((decoded_rad - swept_rad).abs());
+                        }
                     }
-                }
-            });
+                });
+            }
         }
     }
     Ok(largest_rad)

@@ -5,7 +5,7 @@
 //!
 //! Where the [`Memory`] that a build may take holds the sums, a block is one azimuth a thread, and every `CHECKPOINT_EVERY` the sums
 //! are saved beside the tile. Where it does not, the checkpoint *is* the sums: a block has as many azimuths as there is memory for
-//! their planes, and adding it writes the file anew. Either way an interrupted build goes on, to the same bytes.
+//! their planes, and adding it writes the file anew; the finished texels wait in a file while the bounds are found. Either way an interrupted build goes on, to the same bytes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,11 +19,12 @@ use super::checkpoint::Checkpoint;
 use super::error::Error;
 use super::fit::{Accumulator, Plane};
 use super::measure::{Sample, measure};
-use super::memory::Memory;
+use super::memory::{self, Memory};
 use super::method::Search;
 use super::pack::HorizonMap;
 use super::request::Request;
 use super::settings::Settings;
+use super::shelf::Shelf;
 use super::store::{self, Header};
 use super::sweep::grid::Major;
 
@@ -115,6 +116,9 @@ impl<'a> Builder<'a> {
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state);
+        if !share.sums_fit {
+            memory::give_back();
+        }
         let block = share.planes;
         Ok(Self { request: *request, path: path.into(), checkpoint, order, along_rows, block, state, search: None })
     }
@@ -158,9 +162,15 @@ impl<'a> Builder<'a> {
     fn finish(mut self) -> Result<HorizonMap, Error> {
         self.search = None;
         let Request { face, level, settings, .. } = &self.request;
-        let mut map = self.state.sums.map();
+        let map = self.state.sums.map();
         let errors = measure(face, *level, settings, &self.state.sample, &map);
-        let (bounds, statistics) = bound::bounds(&self.request, &map, &self.state.sample.pixels, &errors.decoded_rad)?;
+        let (shelf, block) = match self.state.sums.in_memory() {
+            true => (Shelf::Memory(map), bound::BLOCK),
+            false => (Shelf::on_disk(map, self.path.with_extension("texels"))?, self.block),
+        };
+        let (bounds, statistics) =
+            bound::bounds(&self.request, &shelf, block, &self.state.sample.pixels, &errors.decoded_rad)?;
+        let mut map = shelf.take()?;
         map.errors = errors.statistics(statistics);
         map.bounds = bounds;
         let header = Header::new(&self.request, &map);

@@ -8,6 +8,7 @@
 //! # Assumptions
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
+pub mod equal;
 pub mod sums;
 pub mod water;
 
@@ -191,11 +192,18 @@ impl Accumulator {
         sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
     }
 
+    /// The same sums for an encoding that keeps the first groups of them, or the same ones with other bits.
+    pub fn narrowed(&self, encoding: Encoding) -> Self {
+        let groups = Self::on_disk(encoding, self.columns, self.rows, self.azimuths).groups.len();
+        Self { encoding, groups: self.groups[..groups].to_vec(), ..*self }
+    }
+
     /// The sums as a map, its errors not yet measured.
     pub fn map(&self) -> HorizonMap {
         let (levels, fields) = match self.encoding.family() {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
+            Family::Fields if self.encoding.pages().len() == 1 => equal::page(self.encoding, &self.groups),
             Family::Fields => water::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);

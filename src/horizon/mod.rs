@@ -34,6 +34,7 @@ pub mod planes;
 pub mod request;
 pub mod series;
 pub mod settings;
+pub mod shelf;
 pub mod sphere;
 pub mod store;
 pub mod sweep;

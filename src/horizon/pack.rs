@@ -6,10 +6,17 @@
 //! | `f4 … f16` | the same at full resolution | 16 … 64 | Fritsch et al. (2025) |
 //! | `raw8 … raw16` | elevations at 8 … 16 azimuths as half floats ([`raw`]) | 16 … 32 | Max (1988) |
 //! | `w11, w16, w21` | 31 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
+//! | `q` | 15 harmonics at full resolution in fields of bits, equal steps: made for small files ([`super::fit::equal`]) | 32 | this program |
 //!
 //! A texel at a reduced resolution stands for its box of pixels, as far as the box lies in the map. Decoding is bilinear
 //! between texel centres, the first and last texels reaching to the map's edge: texel `i` of scale `s` is centred at grid
 //! `(i + ½) s − ½`. All encodings are linear in their words' values, so that interpolation and evaluation commute.
+//!
+//! At the nodes `w21` errs by a third of `fm16`'s pixel error, in images by less: there, interpolation between nodes errs as much as
+//! `fm16` does. On the connecting ridge under a Sun of 1.9°, RMS in shares of full Sun, ground of 10 m: skylines swept at the nodes
+//! 0.00099, `f16` 0.00130, `w21` 0.00135, `fm16` 0.00180; where the terrain of 240 m fills the picture 0.0058, 0.0057, 0.0072, 0.0044:
+//! what a cell does between its nodes decides, whatever they hold. Decoding fields takes a software device half as long again or twice
+//! as long as half floats, and fitting them a tile's memory three times over: for images `fm16` stays the default.
 //!
 //! # References
 //! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, doi:10.2312/hpg.20251171.
@@ -50,7 +57,7 @@ pub struct HorizonMap {
     pub rows: usize,
     /// The encoding's pages.
     pub levels: Vec<Texels>,
-    /// What the bits of a water-filled pyramid mean, by page; empty for other encodings.
+    /// What the bits of fields mean, by page; empty for other encodings.
     pub fields: Vec<Vec<Field>>,
     pub errors: TileErrors,
     pub bounds: Bounds,
@@ -248,7 +255,7 @@ pub(super) mod tests {
             *word = if is_fields { next().to_bits().wrapping_mul(2_654_435_761) } else { pack([next(), next()]) };
         }
         let field = |word: usize, index: usize, shift: u32, width: u32| Field {
-            real: 7 * word + index,
+            real: (7 * word + index) % (2 * (encoding.harmonics() + 1)),
             word,
             shift,
             width,
@@ -327,7 +334,7 @@ pub(super) mod tests {
     fn the_shaders_are_valid_and_share_their_layout() {
         let bindings = "@group(0) @binding(0) var<storage, read> horizon_texels: array<vec4u>;
             fn horizon_texel(index: u32) -> vec4u { return horizon_texels[index]; }";
-        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21] {
+        for encoding in [Encoding::Fm16, Encoding::Raw8, Encoding::W21, Encoding::Q] {
             let module = naga::front::wgsl::parse_str(&format!("{bindings}{}", encoding.wgsl())).unwrap();
             // `unpack2x16float`, which every wgpu adapter of class WebGPU has.
             let needed = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;

@@ -54,10 +54,16 @@ pub struct Page {
 }
 
 impl Page {
-    fn of(name: String, scale: usize, columns: usize, field: Option<Field>, numbers: &[i32]) -> Self {
-        let least = numbers.iter().copied().min().unwrap_or(0);
-        let header = PageHeader { name, scale, columns, rows: numbers.len() / columns, least, field };
-        Self { header, values: numbers.iter().map(|number| (number - least) as u16).collect() }
+    fn of(
+        name: String,
+        scale: usize,
+        columns: usize,
+        field: Option<Field>,
+        numbers: impl Iterator<Item = i32> + Clone,
+    ) -> Self {
+        let least = numbers.clone().min().unwrap_or(0);
+        let values: Vec<u16> = numbers.map(|number| (number - least) as u16).collect();
+        Self { header: PageHeader { name, scale, columns, rows: values.len() / columns, least, field }, values }
     }
 
     fn numbers(&self) -> impl Iterator<Item = i32> {
@@ -123,18 +129,16 @@ pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> Tif
     Ok(Some(down.chunks(columns).rev().flatten().copied().collect()))
 }
 
-/// The pages of a map in their order.
-pub fn pages(map: &HorizonMap) -> Vec<Page> {
-    let page = |number: &Number| {
+/// The pages of a map in their order, made one by one: all of them take as much memory as the map.
+pub fn pages(map: &HorizonMap) -> impl Iterator<Item = Page> {
+    let page = |number: Number| {
         let level = &map.levels[number.level];
-        let texels = level.words.chunks(level.words_per_texel);
-        let whole: Vec<i32> = texels.map(|texel| number.get(texel)).collect();
-        Page::of(number.name.to_string(), number.scale, level.columns, number.field(), &whole)
+        let whole = level.words.chunks(level.words_per_texel).map(move |texel| number.get(texel));
+        Page::of(number.name.to_string(), number.scale, level.columns, number.field(), whole)
     };
-    let mut pages: Vec<Page> = numbers(map.encoding, &map.fields).iter().map(page).collect();
-    let codes: Vec<i32> = map.bounds.codes.iter().map(|code| i32::from(*code)).collect();
-    pages.push(Page::of(BOUND.into(), 1, map.columns, None, &codes));
-    pages
+    let codes = map.bounds.codes.iter().map(|code| i32::from(*code));
+    let bound = || std::iter::once_with(move || Page::of(BOUND.into(), 1, map.columns, None, codes));
+    numbers(map.encoding, &map.fields).into_iter().map(page).chain(bound())
 }
 
 /// The map of pages; `None` where they are not those of an encoding and of so many nodes.
@@ -181,14 +185,15 @@ mod tests {
     fn pages_give_back_the_map_they_were_made_of() {
         for encoding in Encoding::ALL {
             let noise = noise(encoding, 19, 10);
-            let pages = pages(&noise);
+            let pages: Vec<_> = pages(&noise).collect();
             assert!(map(&pages, encoding, 19, 10, noise.errors).unwrap() == noise, "{encoding}");
             // Which fields a pyramid has, its pages alone say.
             let missing = map(&pages[1..], encoding, 19, 10, noise.errors);
             assert!(missing.is_none() || encoding.family() == Family::Fields, "{encoding}");
             assert!(map(&pages, encoding, 20, 10, noise.errors).is_none(), "{encoding}");
         }
-        let pages = pages(&noise(Encoding::F16, 19, 10));
+        let noise = noise(Encoding::F16, 19, 10);
+        let pages: Vec<_> = pages(&noise).collect();
         assert!(map(&pages, Encoding::Fm16, 19, 10, TileErrors::default()).is_none());
     }
 }

@@ -21,8 +21,9 @@ use tiff::tags::Tag;
 
 use super::band::Band;
 use super::error::{Error, TileErrors};
+use super::fit::water;
 use super::georeference;
-use super::pack::{Encoding, HorizonMap, encoding};
+use super::pack::{Encoding, Family, HorizonMap, encoding};
 use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
@@ -53,6 +54,9 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
         hash.update(encoding.name());
+        if encoding.family() == Family::Fields {
+            hash.update([water::REVISION]);
+        }
         if !settings.method.is_default() {
             hash.update(format!("{:?}", settings.method));
         }
@@ -241,16 +245,15 @@ fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff
     let mut file = TiffEncoder::new(file)?
         .with_compression(Compression::Deflate(DeflateLevel::Best))
         .with_predictor(Predictor::Horizontal);
-    let pages = pages::pages(map);
-    let header = Header { pages: pages.iter().map(|page| page.header.clone()).collect(), ..header.clone() };
+    let header = Header { pages: pages::pages(map).map(|page| page.header).collect(), ..header.clone() };
     let description = serde_json::to_string(&header).expect("a header is plain data");
-    for (index, page) in pages.iter().enumerate() {
+    for (index, page) in pages::pages(map).enumerate() {
         page.write(&mut file, |tags| {
             if index == 0 {
                 tags.write_tag(Tag::ImageDescription, description.as_str())?;
             }
             // The pictures that people look at: the mean, or the first sample, and the bound.
-            let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == pages.len());
+            let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == header.pages.len());
             if is_shown { georeference::write_tags(tags, &header) } else { Ok(()) }
         })?;
     }

@@ -1,6 +1,6 @@
 //! Illumination of every node of a level.
 //!
-//! Nodes are taken in square blocks ([`super::kernel`]); strips of them run side by side.
+//! Nodes are taken in square blocks (`kernel`); strips of them run side by side.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -42,13 +42,19 @@ struct Sampled {
     before: Option<Vec<Radiometry>>,
 }
 
+/// What takes the images.
+#[allow(missing_debug_implementations, reason = "renderers have none")]
+pub struct Instrument<'a> {
+    pub imaging: &'a Imaging,
+    pub renderer: &'a mut dyn Renderer,
+}
+
 /// Renders the exposures `todo` and hands them to `writer`.
 pub fn render(
     prepared: &Prepared,
     scene: &mut Scene,
-    imaging: &Imaging,
+    Instrument { imaging, renderer }: Instrument,
     run: &dataset::Run,
-    renderer: &mut dyn Renderer,
     writer: &mut Writer,
     todo: &[usize],
     progress: &dyn Progress,

@@ -16,7 +16,7 @@ fn map(encoding: Encoding) -> HorizonMap {
     let mut numbers = spread(40_000, &[(-1.0, 1.0)]).into_iter().cycle().map(|x| x[0]);
     let pages = encoding.pages();
     let fields: Vec<_> = match encoding.family() {
-        Family::Fields => pages.iter().map(|page| fields(page.words)).collect(),
+        Family::Fields => pages.iter().map(|page| fields(page.words, 2 * (encoding.harmonics() + 1))).collect(),
         Family::Halves | Family::Samples => Vec::new(),
     };
     let mut levels = Vec::new();
@@ -39,14 +39,14 @@ fn map(encoding: Encoding) -> HorizonMap {
 }
 
 /// Fields of one to nine bits that fill the words, of falling steps.
-fn fields(words: usize) -> Vec<Field> {
+fn fields(words: usize, reals: usize) -> Vec<Field> {
     let mut fields = Vec::new();
     for word in 0..words {
         let mut shift = 0;
         for width in [9, 1, 4, 8, 2, 3, 5] {
             let order = fields.len() as f32 / 2.0;
             let step_rad = 0.1 / (1.0 + order) / (1 << width) as f32;
-            let real = [0, 2 * fields.len() + 1][usize::from(!fields.is_empty())];
+            let real = fields.len() * (reals - 1) / (7 * words - 1);
             fields.push(Field { real, word, shift, width, step_rad, offset_rad: 0.5 * step_rad });
             shift += width;
         }
@@ -281,13 +281,15 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
     let one = map.clone();
     let codes = (0..COLUMNS * ROWS).flat_map(|i| (0..7 * words).map(move |field| vec![i as f32, field as f32]));
     let (coded, first) = (map.clone(), map.clone());
-    // Of the table's entries, the first of which says so itself.
-    let ends = [1 + map.fields[0].len(), 1 + map.fields[0].len() + map.fields[1].len()];
+    // The second page, where there is one, and its part of the table's entries, the first of which says so itself.
+    let page = 1.min(map.fields.len() - 1);
+    let start = 1 + map.fields[..page].iter().map(Vec::len).sum::<usize>();
+    let end = start + map.fields[page].len();
     vec![
         comparison(
             "horizon_words",
             call(format!(
-                "let w = horizon_words(0u, u32(x[0])); for (var i = 0u; i < {words}u; i++) {{ y[2u * i] = f32(w[i] & 0xffffu); y[2u * i + 1u] = f32(w[i] >> 16u); }}"
+                "let all = horizon_words(0u, u32(x[0])); let w = array<vec4u, 2>(all.low, all.high); for (var i = 0u; i < {words}u; i++) {{ let word = w[i / 4u][i % 4u]; y[2u * i] = f32(word & 0xffffu); y[2u * i + 1u] = f32(word >> 16u); }}"
             )),
             texels,
             1e-9,
@@ -311,16 +313,14 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
         comparison(
             "horizon_page",
             call(format!(
-                "let g = {grid}; y[0] = horizon_page(g, 1u, g.offset_1, vec2u({}u, {}u), vec2f(x[0], x[1]), vec2f(x[3], x[2])).x;",
-                ends[0], ends[1]
+                "let g = {grid}; y[0] = horizon_page(g, {page}u, g.offset_{page}, vec2u({start}u, {end}u), vec2f(x[0], x[1]), vec2f(x[3], x[2])).x;"
             )),
             places(true),
             3e-6,
             Box::new(move |x| {
                 let mut map = first.clone();
-                for page in [0, 2, 3] {
-                    map.fields[page].clear();
-                }
+                let others = (0..map.fields.len()).filter(|other| *other != page);
+                others.for_each(|other| map.fields[other].clear());
                 vec![map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3])).0]
             }),
         ),
@@ -375,7 +375,8 @@ fn mistakes_in_the_decoders_are_noticed() {
         (Encoding::W21, "-f32(order) * wave.y", "-wave.y"),
         (Encoding::W21, "vec2f(turned.y, -turned.x)", "vec2f(turned.y, turned.x)"),
         (Encoding::W16, "vec4u(low.zw, high.xy)", "vec4u(low.zw, low.xy)"),
-        (Encoding::W11, "f32(i32(words", "f32((words"),
+        (Encoding::W11, "f32(i32(word <<", "f32((word <<"),
+        (Encoding::Q, "word = words.high", "word = words.low"),
     ];
     for (encoding, right, wrong) in mistakes {
         let map = map(encoding);

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use perilune::evaluate::machine::peak_memory_mib;
 use perilune::horizon::{self, Encoding, Memory};
+use perilune::pipeline::globe::index::OverallErrors;
 use perilune::pipeline::globe::{self, Options, Selection};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use super::build::{in_degrees, row};
 use super::levels::{self, BodyArgs, Values};
@@ -103,21 +105,41 @@ pub fn run(args: Args) -> Outcome {
             "decoded_error_deg": in_degrees(&checks.decoded),
         })
     });
+    let [swept, decoded] = index.errors().map(|errors| errors.map(overall));
+    let peak_mib = peak_memory_mib();
     if args.json {
         let facts = json!({
             "index": path, "tiles": index.tiles.len(), "built": report.built, "kept": report.kept,
-            "seconds": seconds, "bytes": bytes, "checks": checks,
+            "seconds": seconds, "bytes": bytes, "peak_memory_mib": peak_mib,
+            "swept_error_deg": swept, "decoded_error_deg": decoded, "checks": checks,
         });
         return Ok(say(format_args!("{facts:#}"))?);
     }
     say(format_args!(
-        "{}: {} tiles, {:.1} MB, {} built in {seconds:.0} s, {} kept",
+        "{}: {} tiles, {:.1} MB, {} built in {seconds:.0} s, {} kept, peak memory {:.0} MiB",
         path.display(),
         index.tiles.len(),
         bytes as f64 / 1e6,
         report.built,
-        report.kept
+        report.kept,
+        peak_mib.unwrap_or(f64::NAN)
     ))?;
+    if let Some((swept, decoded)) = swept.zip(decoded) {
+        let row = |errors: &Json| {
+            let cell = |[key, index]: [&str; 2]| {
+                format!("{:10.5}", errors.pointer(&format!("/{key}{index}")).and_then(Json::as_f64).unwrap_or(f64::NAN))
+            };
+            [["rms", ""], ["p95", "/0"], ["p95", "/1"], ["p99", "/0"], ["p99", "/1"], ["max", ""]].map(cell).concat()
+        };
+        say(format_args!(
+            "  error at {} traced samples of all tiles (degrees; percentiles of the middle and of the worst tile)\n    \
+             {:18} rms       p95       worst     p99       worst     max\n    swept             {}\n    decoded           {}",
+            swept["samples"],
+            "",
+            row(&swept),
+            row(&decoded),
+        ))?;
+    }
     if let Some(checks) = checks {
         say(format_args!(
             "  error at {} places  rms       p95       p99       max (degrees)\n    of coarse levels  {}\n    decoded           {}",
@@ -127,4 +149,16 @@ pub fn run(args: Args) -> Outcome {
         ))?;
     }
     Ok(())
+}
+
+/// In degrees.
+fn overall(errors: OverallErrors) -> Json {
+    let pair = |angles_rad: [f64; 2]| angles_rad.map(f64::to_degrees);
+    json!({
+        "samples": errors.samples,
+        "rms": errors.rms_rad.to_degrees(),
+        "max": errors.max_rad.to_degrees(),
+        "p95": pair(errors.p95_rad),
+        "p99": pair(errors.p99_rad),
+    })
 }

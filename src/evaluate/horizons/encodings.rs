@@ -15,7 +15,6 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::profiles::Profiles;
 use super::shadows::{SUN_ELEVATIONS_DEG, shadows, sun_radius_rad};
 use super::tiles::Scratch;
 use crate::evaluate::plot::{Axis, Curve, Plot};
@@ -23,6 +22,7 @@ use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Error, Table, Value};
 use crate::horizon::band::MARGIN_RADII;
+use crate::horizon::decode::Decoder;
 use crate::horizon::fit::{Accumulator, Plane};
 use crate::horizon::store::{self, Header};
 use crate::horizon::sweep::Sweep;
@@ -35,6 +35,16 @@ const BASELINE: &str = "fm16";
 /// Every second of the swept azimuths has a Sun.
 pub const SUNS: usize = 180;
 pub const AZIMUTHS: usize = 2 * SUNS;
+/// Encodings whose sums are those of the first one, or the first of them.
+const FITS: [&[Encoding]; 7] = [
+    &[Encoding::Fm16, Encoding::Fm12, Encoding::Fm8, Encoding::Fm4],
+    &[Encoding::F16, Encoding::F12, Encoding::F8, Encoding::F4],
+    &[Encoding::Raw8],
+    &[Encoding::Raw12],
+    &[Encoding::Raw16],
+    &[Encoding::W21, Encoding::W16, Encoding::W11],
+    &[Encoding::Q],
+];
 /// Those that are measured with a band as well.
 const BANDED: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
 /// Elevation and every how many azimuths of the images whose similarity is measured.
@@ -94,48 +104,45 @@ impl Tables {
 
 /// Measures all encodings on one scene.
 pub fn measure(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> Result<(), Error> {
-    progress.begin(&format!("encodings of {}", scene.name), Encoding::ALL.len(), "encodings");
     let settings = Settings { azimuths: AZIMUTHS, ..Settings::default() };
+    let trials = Encoding::ALL.len() + SUN_ELEVATIONS_DEG.len() * BANDED.len();
+    progress.begin(&format!("encodings of {}", scene.name), trials, "encodings");
     let patch = Patch::of(scene, &settings);
-    let truth = patch.profiles();
-    let first = tables.shadows.rows.len();
-    for (done, encoding) in Encoding::ALL.into_iter().enumerate() {
-        let map = patch.encoded(encoding, |elevation_rad| elevation_rad);
-        let tried = decoded(&map, &settings);
-        let errors = Errors::of(truth.iter().flatten().zip(tried.iter().flatten()).map(|(t, d)| d - t));
-        let similarity = patch.similarity(&truth, &tried);
-        let mut row = vec![scene.name.as_str().into(), encoding.name().into()];
-        row.extend(
-            [map.bytes() as f64, stored_bytes(scene, settings, &map)?].map(|b| (b / patch.nodes() as f64).into()),
-        );
-        row.extend([errors.rms, errors.p95, errors.p99, errors.max].map(|rad| Value::from(rad.to_degrees())));
-        row.push(similarity.into());
-        tables.horizons.rows.push(row);
-        for sun_deg in SUN_ELEVATIONS_DEG {
-            tables.shadows.rows.push(shadow_row(scene, encoding.name(), sun_deg, &truth, &tried)?);
-        }
-        progress.at(done + 1, Encoding::ALL.len());
-    }
-    for encoding in BANDED {
-        for sun_deg in SUN_ELEVATIONS_DEG {
-            let reach_rad = (1.0 + MARGIN_RADII) * sun_radius_rad();
-            let (low, high) = (sun_deg.to_radians() - reach_rad, sun_deg.to_radians() + reach_rad);
-            let map = patch.encoded(encoding, |elevation_rad| elevation_rad.clamp(low as f32, high as f32));
-            let label = format!("{encoding}, band");
-            tables.shadows.rows.push(shadow_row(scene, &label, sun_deg, &truth, &decoded(&map, &settings))?);
+    let truth = patch.suns();
+    let mut rows = Vec::new();
+    for family in FITS {
+        let sums = patch.fitted(family[0], |elevation_rad| elevation_rad);
+        for encoding in family.iter() {
+            let map = sums.narrowed(*encoding).map();
+            let tried = decoded(&map, &settings);
+            let sizes = [map.bytes() as f64, stored_bytes(scene, settings, &map)?];
+            tables.horizons.rows.push(patch.horizon_row(scene, *encoding, sizes, &truth, &tried));
+            for sun_deg in SUN_ELEVATIONS_DEG {
+                rows.push(shadow_row(scene, encoding.name(), sun_deg, &truth, &tried)?);
+            }
+            progress.at(rows.len() / SUN_ELEVATIONS_DEG.len(), trials);
         }
     }
-    compare(&mut tables.shadows.rows[first..]);
+    for (done, sun_deg) in SUN_ELEVATIONS_DEG.into_iter().enumerate() {
+        let reach_rad = (1.0 + MARGIN_RADII) * sun_radius_rad();
+        let [low, high] = [-reach_rad, reach_rad].map(|reach_rad| (sun_deg.to_radians() + reach_rad) as f32);
+        for family in FITS {
+            let banded: Vec<_> = family.iter().filter(|encoding| BANDED.contains(encoding)).collect();
+            let Some(widest) = banded.first() else { continue };
+            let sums = patch.fitted(**widest, |elevation_rad| elevation_rad.clamp(low, high));
+            for encoding in banded {
+                let tried = decoded(&sums.narrowed(*encoding).map(), &settings);
+                rows.push(shadow_row(scene, &format!("{encoding}, band"), sun_deg, &truth, &tried)?);
+            }
+        }
+        progress.at(Encoding::ALL.len() + (done + 1) * BANDED.len(), trials);
+    }
+    compare(&mut rows);
+    tables.shadows.rows.extend(rows);
     Ok(())
 }
 
-fn shadow_row(
-    scene: &Scene,
-    label: &str,
-    sun_deg: f64,
-    truth: &Profiles,
-    tried: &Profiles,
-) -> Result<Vec<Value>, Error> {
+fn shadow_row(scene: &Scene, label: &str, sun_deg: f64, truth: &Suns, tried: &Suns) -> Result<Vec<Value>, Error> {
     let found = shadows(truth, tried, sun_deg.to_radians())?;
     let mut row = vec![scene.name.as_str().into(), label.into(), sun_deg.into()];
     row.extend([(100.0 * found.wrong).into(), Value::Missing, found.penumbra.rms.into(), Value::Missing]);
@@ -213,6 +220,9 @@ pub fn plot(tables: &Tables) -> Plot {
     }
 }
 
+/// Elevations of all nodes towards the Suns, `[Sun][node]`.
+pub type Suns = Vec<Vec<f32>>;
+
 /// Uncompressed horizons of all nodes of a patch.
 #[derive(Debug)]
 pub struct Patch {
@@ -251,31 +261,45 @@ impl Patch {
     }
 
     /// At the azimuths of the Suns.
-    pub fn profiles(&self) -> Profiles {
-        let suns = || self.planes.iter().step_by(AZIMUTHS / SUNS);
-        let profile = |node: usize| suns().map(|plane| f64::from(plane.elevations_rad[node])).collect();
-        (0..self.nodes()).into_par_iter().map(profile).collect()
+    pub fn suns(&self) -> Suns {
+        self.planes.iter().step_by(AZIMUTHS / SUNS).map(|plane| plane.elevations_rad.clone()).collect()
     }
 
-    pub fn encoded(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> HorizonMap {
+    /// Sums of what matters of the horizons.
+    pub fn fitted(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> Accumulator {
         let mut sums = Accumulator::new(encoding, self.columns, self.rows, self.planes.len());
         for planes in self.planes.chunks(16) {
             let clamped = |plane: &Plane| Plane {
                 elevations_rad: plane.elevations_rad.iter().map(|elevation_rad| relevant(*elevation_rad)).collect(),
                 ..*plane
             };
-            sums.add(&planes.iter().map(clamped).collect::<Vec<_>>(), Major::Row);
+            sums.add(&planes.par_iter().map(clamped).collect::<Vec<_>>(), Major::Row);
         }
-        sums.map()
+        sums
+    }
+
+    fn horizon_row(
+        &self,
+        scene: &Scene,
+        encoding: Encoding,
+        sizes: [f64; 2],
+        truth: &Suns,
+        tried: &Suns,
+    ) -> Vec<Value> {
+        let pairs = truth.iter().flatten().zip(tried.iter().flatten());
+        let errors = Errors::of(pairs.map(|(truth, tried)| f64::from(tried - truth)));
+        let mut row = vec![scene.name.as_str().into(), encoding.name().into()];
+        row.extend(sizes.map(|bytes| Value::from(bytes / self.nodes() as f64)));
+        row.extend([errors.rms, errors.p95, errors.p99, errors.max].map(|rad| Value::from(rad.to_degrees())));
+        row.push(self.similarity(truth, tried).into());
+        row
     }
 
     /// Mean structural similarity of hard shadows.
-    fn similarity(&self, truth: &Profiles, tried: &Profiles) -> f64 {
+    fn similarity(&self, truth: &Suns, tried: &Suns) -> f64 {
         let (sun_deg, every) = SIMILARITY;
-        let sun_rad = sun_deg.to_radians();
-        let image = |profiles: &Profiles, sun: usize| -> Vec<bool> {
-            profiles.iter().map(|profile| profile[sun] < sun_rad).collect()
-        };
+        let sun_rad = sun_deg.to_radians() as f32;
+        let image = |suns: &Suns, sun: usize| -> Vec<bool> { suns[sun].iter().map(|h| *h < sun_rad).collect() };
         let suns: Vec<usize> = (0..SUNS).step_by(every).collect();
         let all = suns.par_iter().map(|sun| similarity(self.columns, &image(truth, *sun), &image(tried, *sun)));
         all.sum::<f64>() / suns.len() as f64
@@ -283,13 +307,12 @@ impl Patch {
 }
 
 /// What a map decodes to at its nodes, towards the Suns.
-pub fn decoded(map: &HorizonMap, settings: &Settings) -> Profiles {
+pub fn decoded(map: &HorizonMap, settings: &Settings) -> Suns {
     let directions: Vec<DVec2> = (0..AZIMUTHS).step_by(AZIMUTHS / SUNS).map(|i| settings.direction(i)).collect();
-    let profile = |node: usize| {
-        let horizon = map.horizon(DVec2::new((node % map.columns) as f64, (node / map.columns) as f64));
-        directions.iter().map(|direction| horizon.evaluate_towards(*direction).0).collect()
-    };
-    (0..map.columns * map.rows).into_par_iter().map(profile).collect()
+    let decoder = Decoder::new(map, &directions);
+    let rows: Vec<Vec<f32>> = (0..map.rows).into_par_iter().map(|row| decoder.row(row)).collect();
+    let towards = |sun: usize| rows.iter().flat_map(|row| &row[sun * map.columns..][..map.columns]).copied().collect();
+    (0..SUNS).into_par_iter().map(towards).collect()
 }
 
 /// Size of the tile's file.

@@ -1,5 +1,7 @@
 //! Shadows that horizons decide, against those that traced horizons decide.
 
+use rayon::prelude::*;
+
 use super::profiles::Profiles;
 use crate::evaluate::plot::{Axis, Curve, Plot};
 use crate::evaluate::scenes::Scene;
@@ -33,7 +35,7 @@ pub fn rows(scene: &Scene, label: &str, truth: &Profiles, tried: &Profiles) -> R
     let row = |elevation_deg: f64| {
         let found = shadows(truth, tried, elevation_deg.to_radians())?;
         let mut row = vec![scene.name.as_str().into(), label.into(), elevation_deg.into()];
-        row.extend([100.0 * found.wrong, found.penumbra.mean, found.penumbra.rms, found.all.rms].map(Value::from));
+        row.extend([100.0 * found.wrong, found.penumbra.mean, found.penumbra.rms, found.rms].map(Value::from));
         Ok(row)
     };
     SUN_ELEVATIONS_DEG.into_iter().map(row).collect()
@@ -67,14 +69,16 @@ pub fn plots(table: &Table) -> Vec<Plot> {
     plots
 }
 
-/// Shadows of profiles against those of the truth.
+/// Shadows of horizons against those of the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadowErrors {
     /// Share of samples that are lit in one and dark in the other.
     pub wrong: f64,
     /// Of the visible share of the disc, where either sees a part of it.
     pub penumbra: Errors,
-    pub all: Errors,
+    /// Mean and RMS of the same over all samples.
+    pub mean: f64,
+    pub rms: f64,
 }
 
 /// Angular radius of the Sun at 1 au.
@@ -82,21 +86,47 @@ pub fn sun_radius_rad() -> f64 {
     (SOLAR_RADIUS_M / ASTRONOMICAL_UNIT_M).asin()
 }
 
-/// A Sun at 1 au and at the same elevation in every azimuth.
-pub fn shadows(truth: &Profiles, tried: &Profiles, sun_rad: f64) -> Result<ShadowErrors, Error> {
+/// A Sun at 1 au and at the same elevation in every azimuth; horizons in any order, the same in both.
+pub fn shadows<T>(truth: &[Vec<T>], tried: &[Vec<T>], sun_rad: f64) -> Result<ShadowErrors, Error>
+where
+    T: Copy + Into<f64> + Sync,
+{
     let disk = SolarDisk::new(LimbDarkening::Uniform)?;
     let radius_rad = sun_radius_rad();
-    let pairs: Vec<[f64; 2]> =
-        truth.iter().flatten().zip(tried.iter().flatten()).map(|(truth, tried)| [*truth, *tried]).collect();
-    let wrong = pairs.iter().filter(|pair| (pair[0] < sun_rad) != (pair[1] < sun_rad)).count();
-    let seen = |horizon_rad: f64| disk.visible_above((horizon_rad - sun_rad) / radius_rad);
-    let shares: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.map(seen)).collect();
-    let error = |[truth, tried]: &[f64; 2]| tried - truth;
-    let partial = |pair: &&[f64; 2]| pair.iter().any(|share| *share > 0.0 && *share < 1.0);
+    let seen = |above_rad: f64| match above_rad / radius_rad {
+        height if height <= -1.0 => 1.0,
+        height if height >= 1.0 => 0.0,
+        height => disk.visible_above(height),
+    };
+    // Wrong ones, errors in the penumbra, and of wholly lit ones that are wholly dark, or the other way round.
+    let of_some = |(truth, tried): (&Vec<T>, &Vec<T>)| {
+        let (mut wrong, mut partial, mut whole) = (0_usize, Vec::new(), [0.0; 2]);
+        for (truth, tried) in truth.iter().zip(tried) {
+            let [truth_rad, tried_rad] = [*truth, *tried].map(|horizon_rad| horizon_rad.into() - sun_rad);
+            wrong += usize::from((truth_rad < 0.0) != (tried_rad < 0.0));
+            let sure = [truth_rad, tried_rad].iter().all(|above_rad| above_rad.abs() >= radius_rad);
+            let error = match sure {
+                true if (truth_rad < 0.0) == (tried_rad < 0.0) => continue,
+                _ => seen(tried_rad) - seen(truth_rad),
+            };
+            if sure {
+                whole = [whole[0] + error, whole[1] + error * error];
+            } else {
+                partial.push(error);
+            }
+        }
+        (wrong, partial, whole)
+    };
+    let found: Vec<_> = truth.par_iter().zip(tried).map(of_some).collect();
+    let count = truth.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let penumbra = Errors::of(found.iter().flat_map(|(_, partial, _)| partial).copied());
+    let whole = |moment: usize| found.iter().map(|(.., whole)| whole[moment]).sum::<f64>();
+    let partial = penumbra.count as f64;
     Ok(ShadowErrors {
-        wrong: wrong as f64 / pairs.len().max(1) as f64,
-        penumbra: Errors::of(shares.iter().filter(partial).map(error)),
-        all: Errors::of(shares.iter().map(error)),
+        wrong: found.iter().map(|(wrong, ..)| wrong).sum::<usize>() as f64 / count,
+        mean: (whole(0) + partial * penumbra.mean) / count,
+        rms: ((whole(1) + partial * penumbra.rms * penumbra.rms) / count).sqrt(),
+        penumbra,
     })
 }
 
@@ -109,7 +139,7 @@ mod tests {
     fn equal_horizons_err_nowhere_and_raised_ones_by_what_they_are_raised() {
         let truth: Profiles = (0..10).map(|p| (0..100).map(|a| 0.001 * f64::from(p * 7 + a)).collect()).collect();
         let same = shadows(&truth, &truth, 0.05).unwrap();
-        assert_eq!((same.wrong, same.all.max), (0.0, 0.0));
+        assert_eq!((same.wrong, same.rms), (0.0, 0.0));
         let raised: Profiles = truth.iter().map(|profile| profile.iter().map(|h| h + 0.0105).collect()).collect();
         let found = errors(&truth, &raised);
         assert!((found.mean - 0.0105).abs() < 1e-12 && (found.max - 0.0105).abs() < 1e-12);
@@ -117,7 +147,7 @@ mod tests {
         let wrong = shadows(&truth, &raised, 0.0805).unwrap();
         assert!((wrong.wrong - 0.105).abs() < 0.006, "{wrong:?}");
         // Each profile loses the light of 10.5 of its 100 samples.
-        assert!((wrong.all.mean + 0.105).abs() < 1e-3, "{wrong:?}");
+        assert!((wrong.mean + 0.105).abs() < 1e-3, "{wrong:?}");
         assert!(wrong.penumbra.mean < -0.3, "{wrong:?}");
     }
 }

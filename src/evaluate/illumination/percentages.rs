@@ -35,7 +35,8 @@ pub struct Options {
 }
 
 /// A published percentage and how ours is made to stand beside it.
-struct Claim {
+#[derive(Debug, Clone, Copy)]
+pub struct Claim {
     place: &'static str,
     source: &'static str,
     percent: f64,
@@ -55,6 +56,7 @@ enum Model {
     Ridge { posting_m: f64 },
 }
 
+#[derive(Debug)]
 struct Span {
     text: &'static str,
     from: &'static str,
@@ -68,8 +70,8 @@ const NODAL: Span = Span { text: "18.6 years from 2011", from: "2011-01-01T00:00
 const YEAR_2018: Span = Span { text: "a year from 2018-10-22", from: "2018-10-22T00:00:00Z", days: 365.0, step_h: 1.0 };
 const YEAR_2020: Span = Span { text: "2020", from: "2020-01-01T00:00:00Z", days: 366.0, step_h: 1.0 };
 
-/// `[T]` of the reference for all; heights and spans are the papers' where they say them.
-const CLAIMS: [Claim; 7] = [
+/// Heights above the ground are the papers'; a span is the paper's where the kernels reach.
+pub const CLAIMS: [Claim; 7] = [
     ridge("Mazarico 2011, 240 m", 89.0, Model::Cap, 0.0, &NODAL),
     ridge("Mazarico 2011, 240 m", 89.0, Model::Ridge { posting_m: 20.0 }, 0.0, &NODAL),
     ridge("Mazarico 2011, 240 m", 89.0, Model::Ridge { posting_m: 10.0 }, 0.0, &NODAL),
@@ -105,7 +107,7 @@ const CAP_M: f64 = 320_000.0;
 const WAVELENGTH_NM: f64 = 550.0;
 
 /// The files of a longer span than the default kernels have.
-const KERNELS: [&str; 5] = [
+pub const KERNELS: [&str; 5] = [
     "de440s_sun_emb_earth_moon_2000_2030.bsp",
     "moon_pa_de440_2000_2030.bpc",
     "moon_fk_de440.epa",
@@ -137,7 +139,8 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         return Ok(report);
     };
     let almanac = Almanac::load(&KERNELS.map(|name| folder.join(name)))?;
-    for table in [skylines(options, &almanac, progress)?, published(options, &almanac, progress)?] {
+    let claims = &CLAIMS[..if options.quick { 1 } else { CLAIMS.len() }];
+    for table in [skylines(options, &almanac, progress)?, published(&options.folders, claims, &almanac, progress)?] {
         match table {
             Some(table) => report.tables.push(table),
             None => report.notes.push(format!("No folder has dem/{RIDGE} and dem/{CAP}.")),
@@ -268,8 +271,13 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
     Ok(Some(table))
 }
 
-/// A row for each published percentage.
-fn published(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Result<Option<Table>, Error> {
+/// A row for each published percentage; `None` where none of the folders has the heights.
+pub fn published(
+    folders: &[PathBuf],
+    claims: &[Claim],
+    almanac: &Almanac,
+    progress: &dyn Progress,
+) -> Result<Option<Table>, Error> {
     let columns = [
         ("place", ""),
         ("source", ""),
@@ -288,9 +296,9 @@ fn published(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> R
         ("longitude", "deg"),
     ];
     let mut table = Table::new("published", "Published percentages", &columns);
-    for claim in &CLAIMS[..if options.quick { 1 } else { CLAIMS.len() }] {
+    for claim in claims {
         let at = centre(claim.latitude_deg, claim.longitude_deg);
-        let Some(scene) = claim.model.scene(&options.folders, at, 2.0 * WITHIN_M)? else { return Ok(None) };
+        let Some(scene) = claim.model.scene(folders, at, 2.0 * WITHIN_M)? else { return Ok(None) };
         table.rows.push(claim.row(&scene, at, almanac, progress)?);
     }
     Ok(Some(table))

@@ -137,23 +137,24 @@ fn hard_shadows(
     rows: &mut Vec<Vec<Value>>,
 ) -> Vec<Curve> {
     let sun_rad = HARD_DEG.to_radians();
-    let truth = patch.profiles();
-    let image = |profiles: &[Vec<f64>], sun: usize| {
-        let lit = |profile: &Vec<f64>| f64::from(u8::from(profile[sun] < sun_rad));
-        Grid::new(patch.columns, patch.rows, profiles.iter().map(lit).collect())
+    let truth = patch.suns();
+    let image = |elevations_rad: &[f32]| {
+        let lit = |elevation_rad: &f32| f64::from(u8::from(f64::from(*elevation_rad) < sun_rad));
+        Grid::new(patch.columns, patch.rows, elevations_rad.iter().map(lit).collect())
     };
     let (mut curves, mut baseline) = (Vec::new(), f64::NAN);
     for encoding in ENCODINGS {
-        let tried = decoded(&patch.encoded(encoding, |elevation_rad| elevation_rad), settings);
+        let tried = decoded(&patch.fitted(encoding, |elevation_rad| elevation_rad).map(), settings);
         let wrong = |sun: usize| {
-            let pairs = truth.iter().zip(&tried);
-            let wrong = pairs.filter(|(truth, tried)| (truth[sun] < sun_rad) != (tried[sun] < sun_rad)).count();
+            let lit = |elevation_rad: &f32| f64::from(*elevation_rad) < sun_rad;
+            let pairs = truth[sun].iter().zip(&tried[sun]);
+            let wrong = pairs.filter(|(truth, tried)| lit(truth) != lit(tried)).count();
             100.0 * wrong as f64 / patch.nodes() as f64
         };
         let rates: Vec<f64> = (0..SUNS).map(wrong).collect();
         let suns: Vec<usize> = (0..SUNS).step_by(if options.quick { 20 } else { 5 }).collect();
         let compared = suns.par_iter().map(|&sun| {
-            let [truth, tried] = [image(&truth, sun), image(&tried, sun)];
+            let [truth, tried] = [image(&truth[sun]), image(&tried[sun])];
             DVec2::new(ssim::mean(&truth, &tried, 1.0), flip::mean(&truth, &tried))
         });
         let compared = compared.sum::<DVec2>() / suns.len() as f64;

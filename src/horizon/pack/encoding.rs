@@ -38,6 +38,8 @@ pub enum Encoding {
     W16,
     /// The same in four words: 21.25 bytes.
     W21,
+    /// 16 complex coefficients in equal steps at full resolution: 32 bytes; its planes compress well where ground is smooth.
+    Q,
 }
 
 /// Encodings in a header, by their lower-case names.
@@ -75,11 +77,12 @@ pub struct Page {
     pub words: usize,
 }
 
-/// Highest harmonic of the water-filled pyramids.
+/// Highest harmonic of the water-filled pyramids, and of equal steps.
 const WATER_HARMONICS: usize = 31;
+const EQUAL_HARMONICS: usize = 15;
 
 impl Encoding {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Fm4,
         Self::Fm8,
         Self::Fm12,
@@ -94,6 +97,7 @@ impl Encoding {
         Self::W11,
         Self::W16,
         Self::W21,
+        Self::Q,
     ];
 
     /// The name in arguments, scenarios and headers.
@@ -113,13 +117,14 @@ impl Encoding {
             Self::W11 => "w11",
             Self::W16 => "w16",
             Self::W21 => "w21",
+            Self::Q => "q",
         }
     }
 
     pub fn family(self) -> Family {
         match self {
             Self::Raw8 | Self::Raw12 | Self::Raw16 => Family::Samples,
-            Self::W11 | Self::W16 | Self::W21 => Family::Fields,
+            Self::W11 | Self::W16 | Self::W21 | Self::Q => Family::Fields,
             _ => Family::Halves,
         }
     }
@@ -146,6 +151,7 @@ impl Encoding {
             Self::W11 => pyramid(2),
             Self::W16 => pyramid(3),
             Self::W21 => pyramid(4),
+            Self::Q => vec![Page { scale: 1, words: 8 }],
         }
     }
 
@@ -162,6 +168,7 @@ impl Encoding {
         match self.family() {
             Family::Halves => self.pages().len() * super::half::TEXEL_COEFFICIENTS - 1,
             Family::Samples => 0,
+            Family::Fields if self == Self::Q => EQUAL_HARMONICS,
             Family::Fields => WATER_HARMONICS,
         }
     }

@@ -1,4 +1,4 @@
-//! Water-filled pyramids: every real coefficient as small integers, summed over four resolutions.
+//! Fields of bits: every real coefficient as small integers, in water-filled pyramids summed over four resolutions.
 //!
 //! ```text
 //! c(x) = Σ_pages Σ_texels share · (offset + step · code)      c = a₀, a₁, b₁, … a₃₁, b₃₁
@@ -8,7 +8,7 @@
 //! that is worth them there ([`super::super::fit::water`] decides). Skylines of neighbours are alike in their low harmonics,
 //! so that the coarse pages say most of those and the fine ones only what is left; there no bit is spent on what half floats
 //! keep twice over. The fields of a page are the same in all of its texels: the map's table says which bits of which word, which coefficient, which step.
-//! No field crosses a word.
+//! No field crosses a word. A map in equal steps ([`super::super::fit::equal`]) has one page of eight words.
 //!
 //! `water.wgsl` decodes the same from a buffer in which the table lies behind the pages.
 

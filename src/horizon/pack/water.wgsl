@@ -1,31 +1,41 @@
-// The skyline from a water-filled pyramid: fields of bits, their values summed over four resolutions. Twin of `water.rs`.
+// The skyline from fields of bits, their values summed over up to four resolutions. Twin of `water.rs`.
 
 override HORIZON_WORDS: u32 = 4u;
 
 // The words of a texel; those beyond HORIZON_WORDS belong to others.
-fn horizon_words(offset: u32, texel: u32) -> vec4u {
+struct HorizonWords {
+    low: vec4u,
+    high: vec4u,
+}
+
+fn horizon_words(offset: u32, texel: u32) -> HorizonWords {
     let first = texel * HORIZON_WORDS;
     let low = horizon_texel(offset + first / 4u);
     if HORIZON_WORDS == 4u {
-        return low;
+        return HorizonWords(low, low);
     }
     if HORIZON_WORDS == 2u {
-        return select(low, low.zwxy, first % 4u == 2u);
+        let words = select(low, low.zwxy, first % 4u == 2u);
+        return HorizonWords(words, words);
     }
     let high = horizon_texel(offset + (first + HORIZON_WORDS - 1u) / 4u);
     switch first % 4u {
-        case 1u: { return low.yzwx; }
-        case 2u: { return vec4u(low.zw, high.xy); }
-        case 3u: { return vec4u(low.w, high.xyz); }
-        default: { return low; }
+        case 1u: { return HorizonWords(low.yzwx, high); }
+        case 2u: { return HorizonWords(vec4u(low.zw, high.xy), high); }
+        case 3u: { return HorizonWords(vec4u(low.w, high.xyz), high); }
+        default: { return HorizonWords(low, high); }
     }
 }
 
 // A signed field: `description` holds from bit 0 its word, and from bits 8 and 16 how far it is shifted left and right.
-fn horizon_code(words: vec4u, description: u32) -> f32 {
+fn horizon_code(words: HorizonWords, description: u32) -> f32 {
     let left = (description >> 8u) & 31u;
     let right = (description >> 16u) & 31u;
-    return f32(i32(words[description & 3u] << left) >> right);
+    var word = words.low[description & 3u];
+    if HORIZON_WORDS > 4u && (description & 4u) != 0u {
+        word = words.high[description & 3u];
+    }
+    return f32(i32(word << left) >> right);
 }
 
 // Adds the fields of one page; `fields` are those of `first` to before `end` in the map's table. A field's entry is its

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Checks, Globe, Options};
 use crate::dataset::atomic;
-use crate::horizon::{Encoding, Settings, TileErrors};
+use crate::horizon::{Encoding, ErrorStatistics, Settings, TileErrors};
 use crate::pipeline::Error;
 use crate::terrain::GlobalDem;
 use crate::terrain::quadtree::{QuadTree, TileId};
@@ -95,6 +95,41 @@ pub struct Index {
     pub tiles: Vec<Entry>,
 }
 
+/// Errors of many tiles, each against traces at its own nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OverallErrors {
+    pub samples: usize,
+    /// Over all samples.
+    pub rms_rad: f64,
+    pub max_rad: f64,
+    /// The tiles' 95th and 99th percentiles: of the tile in the middle, and of the worst one.
+    pub p95_rad: [f64; 2],
+    pub p99_rad: [f64; 2],
+}
+
+impl OverallErrors {
+    /// `None` of nothing measured.
+    pub fn of(tiles: &[ErrorStatistics]) -> Option<Self> {
+        let samples: usize = tiles.iter().map(|errors| errors.samples).sum();
+        if samples == 0 {
+            return None;
+        }
+        let square = |errors: &ErrorStatistics| errors.samples as f64 * errors.rms_rad * errors.rms_rad;
+        let middle_and_worst = |quantile: fn(&ErrorStatistics) -> f64| {
+            let mut sizes_rad: Vec<f64> = tiles.iter().map(quantile).collect();
+            sizes_rad.sort_by(f64::total_cmp);
+            [sizes_rad[sizes_rad.len() / 2], sizes_rad[sizes_rad.len() - 1]]
+        };
+        Some(Self {
+            samples,
+            rms_rad: (tiles.iter().map(square).sum::<f64>() / samples as f64).sqrt(),
+            max_rad: tiles.iter().fold(0.0, |worst, errors| worst.max(errors.max_rad)),
+            p95_rad: middle_and_worst(|errors| errors.p95_rad),
+            p99_rad: middle_and_worst(|errors| errors.p99_rad),
+        })
+    }
+}
+
 /// A tile's file below its globe's folder.
 pub fn file_of(tile: TileId) -> String {
     format!("{}/{}_{}_{}.tif", tile.level, tile.face, tile.column, tile.row)
@@ -105,6 +140,14 @@ impl Index {
     pub fn of(globe: &Globe) -> Result<Self, Error> {
         let entries = globe.tree.tiles().filter_map(|tile| Entry::of(globe, tile));
         Ok(Self { plan: globe.plan.clone(), tiles: entries.collect(), checks: None })
+    }
+
+    /// Errors over all tiles: of what was swept, and of what the tiles decode to.
+    pub fn errors(&self) -> [Option<OverallErrors>; 2] {
+        let of = |errors: fn(&TileErrors) -> ErrorStatistics| {
+            OverallErrors::of(&self.tiles.iter().map(|tile| errors(&tile.errors)).collect::<Vec<_>>())
+        };
+        [of(|errors| errors.swept), of(|errors| errors.decoded)]
     }
 
     /// `None` where there is no such file.
@@ -146,5 +189,29 @@ impl Entry {
             bytes: std::fs::metadata(globe.path(tile)).ok()?.len(),
             errors: header.errors,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 samples of 3 and 300 of 1: a mean square of (900 + 300)/400.
+    #[test]
+    fn errors_of_tiles_are_pooled_by_their_samples() {
+        let tile = |samples: usize, rms_rad: f64| ErrorStatistics {
+            samples,
+            rms_rad,
+            p95_rad: 2.0 * rms_rad,
+            p99_rad: 3.0 * rms_rad,
+            max_rad: 4.0 * rms_rad,
+            ..ErrorStatistics::default()
+        };
+        let found = OverallErrors::of(&[tile(100, 3.0), tile(300, 1.0)]).unwrap();
+        assert!((found.rms_rad - 3f64.sqrt()).abs() < 1e-12);
+        assert_eq!((found.samples, found.max_rad, found.p95_rad, found.p99_rad), (400, 12.0, [6.0; 2], [9.0; 2]));
+        let found = OverallErrors::of(&[tile(1, 1.0), tile(1, 2.0), tile(1, 5.0)]).unwrap();
+        assert_eq!(found.p99_rad, [6.0, 15.0]);
+        assert_eq!(OverallErrors::of(&[]), None);
     }
 }

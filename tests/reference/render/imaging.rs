@@ -209,12 +209,13 @@ fn scanners_look_where_their_poses_say() {
         let posed = PosedCamera { optics: optics.clone(), poses };
         assert_eq!(posed.rows(), 18);
         for (renderer, planes) in taken(&scene, &imaging, 0.0, flight) {
-            for index in 0..24 * 18 {
+            assert_eq!(planes[0].len(), 24 * 18);
+            for (index, (range, latitude)) in planes[0].iter().zip(&planes[1]).enumerate() {
                 let pixel = DVec2::new((index % 24) as f64, (index / 24) as f64);
                 let (position, direction) = posed.ray(pixel).unwrap();
                 let (range_m, at) = on_sphere(position.vector_m(), direction.unit());
                 let latitude_deg = (at.z / at.length()).asin().to_degrees();
-                let (got_m, got_deg) = (f64::from(planes[0][index]), f64::from(planes[1][index]));
+                let (got_m, got_deg) = (f64::from(*range), f64::from(*latitude));
                 // The pass counts distances in f32.
                 assert!((got_m / range_m - 1.0).abs() < 1e-5, "{renderer}, {shutter:?}, {pixel}: {got_m} {range_m}");
                 assert!((got_deg - latitude_deg).abs() < 2e-5, "{renderer}, {pixel}: {got_deg} {latitude_deg}");
