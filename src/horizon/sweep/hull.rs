@@ -168,10 +168,10 @@ impl Hull {
             let start = end.saturating_sub(WINDOW);
             let intercepts_m = self.intercepts_m[start..start + WINDOW].first_chunk().expect("WINDOW");
             let slopes = self.slopes[start..start + WINDOW].first_chunk().expect("WINDOW");
-            // Every point lies below the lines of the first window.
+            // Every point lies below the lines of the first window, but one without a height.
             match lines_above(registers, intercepts_m, slopes, x, height_m) {
-                0 => end = start,
-                count => return start + count as usize - 1,
+                0 if start > 0 => end = start,
+                count => return start + (count as usize).saturating_sub(1),
             }
         }
     }
@@ -210,6 +210,14 @@ mod tests {
                 points.push(Point { x, height_m });
             }
         }
+    }
+
+    #[test]
+    fn a_point_without_a_height_touches_nothing() {
+        let mut hull = Hull::default();
+        hull.push(Registers::Any, Point { x: 300.0, height_m: 30.0 });
+        let (_, touches) = hull.tangents(Registers::Any, [Point { x: 0.0, height_m: f32::NAN }; 3]);
+        assert_eq!(touches, [NOTHING; 3]);
     }
 
     #[test]
