@@ -55,7 +55,8 @@ fn error_ratio(encoding: Encoding) -> f64 {
         Encoding::Fm8 | Encoding::F8 => 1.9,
         Encoding::Fm12 => 1.2,
         Encoding::F12 => 1.1,
-        Encoding::Fm16 => 1.0,
+        // Of `q` it is known that it is no more.
+        Encoding::Fm16 | Encoding::Q => 1.0,
         Encoding::F16 => 0.9,
         Encoding::Raw8 => 2.5,
         Encoding::Raw16 => 2.1,

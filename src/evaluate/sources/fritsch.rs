@@ -198,7 +198,7 @@ fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<V
     let disk = SolarDisk::new(LimbDarkening::Uniform)?;
     let [elevation_rad, angular_radius_rad] = SOFT_DEG.map(f64::to_radians);
     let poise = Poise { elevation_rad, angular_radius_rad };
-    let map = patch.encoded(Encoding::Fm16, |elevation_rad| elevation_rad);
+    let map = patch.fitted(Encoding::Fm16, |elevation_rad| elevation_rad).map();
     let (every_node, every_sun) = if options.quick { (23, 12) } else { (41, 2) };
     let nodes: Vec<usize> = (0..patch.nodes()).step_by(every_node).collect();
     let rays = rays(poise);
