@@ -105,7 +105,7 @@ fn whole(map: &HorizonMap) -> Vec<Comparison> {
         let map = map.clone();
         move |x: &[f64]| map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3]))
     };
-    let (elevation, slope) = (wanted(map), wanted(map));
+    let (elevation, slope, of_profile) = (wanted(map), wanted(map), wanted(map));
     let samples = map.encoding.family() == Family::Samples;
     // Within rounding of a sampled azimuth either piece's slope is right.
     let near_a_sample = |x: &Vec<f32>| {
@@ -113,7 +113,13 @@ fn whole(map: &HorizonMap) -> Vec<Comparison> {
         samples && (sector - sector.round()).abs() < 1e-5
     };
     let off_samples: Vec<_> = places(!samples).into_iter().filter(|x| !near_a_sample(x)).collect();
+    // A profile is fetched once and asked in many directions.
+    let asked =
+        call(format!("y[0] = horizon_towards(horizon_profile({grid}, vec2f(x[0], x[1])), vec2f(x[2], x[3])).x;"));
+    let profile = move |x: &[f64]| vec![of_profile(x).0];
     vec![
+        comparison("horizon_profile", asked, places(true), 6e-6, Box::new(profile.clone())),
+        comparison("horizon_towards", asked, places(true), 6e-6, Box::new(profile)),
         comparison(
             "horizon_elevation",
             call(format!("y[0] = horizon_elevation({grid}, vec2f(x[0], x[1]), vec2f(x[2], x[3])).x;")),
@@ -142,6 +148,18 @@ fn shared(map: &HorizonMap) -> Vec<Comparison> {
             spread(500, &[(-1.0, 1.0); 4]),
             2e-7,
             Box::new(|x| vec![x[0] * x[2] - x[1] * x[3], x[0] * x[3] + x[1] * x[2]]),
+        ),
+        // `ψ` on the ground of `φ` on the map, from the radius: tan ψ = tan φ / cos c.
+        comparison(
+            "azimuth_ratio",
+            "y[0] = azimuth_ratio(vec2f(x[0], 0.0), 1.7374e6, vec2f(cos(x[1]), sin(x[1])));",
+            spread(500, &[(0.0, 1.5e6), (0.0, TAU as f32)]),
+            // Sines of f32.
+            5e-6,
+            Box::new(|x| {
+                let (cos_c, (sin, cos)) = ((x[0] / 1.7374e6).atan().cos(), x[1].sin_cos());
+                vec![(cos * cos * cos_c * cos_c + sin * sin) / cos_c]
+            }),
         ),
         // The place that the four corners and shares stand for, in texels of the third page.
         comparison(
