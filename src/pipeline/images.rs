@@ -43,7 +43,6 @@ struct Sampled {
 }
 
 /// What takes the images.
-#[allow(missing_debug_implementations, reason = "renderers have none")]
 pub struct Instrument<'a> {
     pub imaging: &'a Imaging,
     pub renderer: &'a mut dyn Renderer,

@@ -9,7 +9,7 @@ use perilune::horizon::trace::Tracer;
 use perilune::horizon::{ErrorStatistics, Settings};
 use perilune::terrain::Face;
 
-use super::scene::{Random, cratered, face, level, lunar_map};
+use super::scene::{Random, cratered, face, level, lunar_map, nested};
 
 /// What exact horizons of random pixels differ by from traced ones, in all azimuths.
 pub struct Found {
@@ -128,19 +128,7 @@ fn masts_and_search_distances_are_exact() {
 /// Coarser levels around, beyond and beside the searched one, which has a margin.
 #[test]
 fn nested_levels_are_exact() {
-    let map = lunar_map();
-    let mut levels = [(101, 20.0, 1.0), (121, 60.0, 2.0), (151, 300.0, 3.0)].map(|(nodes, posting_m, seed)| {
-        let centre_m = DVec2::new(130.0, -70.0) * seed;
-        let mut level =
-            level(&map, nodes, posting_m, centre_m, |at| 700.0 * (at.x / 2300.0).sin() * (at.y / 1900.0).cos());
-        let mut random = Random(seed as u64);
-        level.heights_m.iter_mut().for_each(|height_m| *height_m += (posting_m * random.next()) as f32);
-        level
-    });
-    levels[0].margin = 7;
-    // Beside the second level, not within it.
-    levels[1].west_m += 2500.0;
-    let face = face(map, levels.to_vec());
+    let face = nested([101, 121, 151]);
     for (level, search_m) in [(0, None), (1, None), (0, Some(9000.0))] {
         let settings = Settings { azimuths: 72, search_m, ..Settings::default() };
         assert_exact("nested", &compare(&face, level, &settings, 256), 2.0 * ROUNDING_RAD);

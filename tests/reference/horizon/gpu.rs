@@ -1,13 +1,12 @@
 //! The search on a graphics device against the trace.
 
-use glam::DVec2;
 use perilune::horizon::gpu::OnDevice;
 use perilune::horizon::sweep::grid::Major;
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{ErrorStatistics, Settings};
 use perilune::terrain::Face;
 
-use super::scene::{Random, cratered, face, level, lunar_map};
+use super::scene::{Random, cratered, nested};
 use crate::conformance::gpu;
 
 /// Heights are rounded to 1e-4 m, which is 5e-6 rad over a posting of 20 m; places to 1e-5 of a cell: over cells of 300 m and
@@ -67,19 +66,7 @@ fn the_device_meets_the_trace_on_nested_levels() {
     if gpu().is_none() {
         return;
     }
-    let map = lunar_map();
-    let mut levels = [(61, 20.0, 1.0), (81, 60.0, 2.0), (101, 300.0, 3.0)].map(|(nodes, posting_m, seed)| {
-        let centre_m = DVec2::new(130.0, -70.0) * seed;
-        let mut level =
-            level(&map, nodes, posting_m, centre_m, |at| 700.0 * (at.x / 2300.0).sin() * (at.y / 1900.0).cos());
-        let mut random = Random(seed as u64);
-        level.heights_m.iter_mut().for_each(|height_m| *height_m += (posting_m * random.next()) as f32);
-        level
-    });
-    levels[0].margin = 7;
-    // Beside the second level, not within it.
-    levels[1].west_m += 2500.0;
-    let nested = face(map, levels.to_vec());
+    let nested = nested([61, 81, 101]);
     let settings = Settings { azimuths: 24, ..Settings::default() };
     for level in [0, 1] {
         assert_traced("nested", &compare(&nested, &nested, level, &settings));

@@ -106,6 +106,23 @@ pub fn cratered(nodes: usize, posting_m: f64, seed: u64) -> Face {
     face(map, vec![level])
 }
 
+/// Three rough levels of 20, 60 and 300 m with so many nodes a side, the second moved to one side of the first.
+pub fn nested(nodes: [usize; 3]) -> Face {
+    let map = lunar_map();
+    let levels = [(20.0, 1.0), (60.0, 2.0), (300.0, 3.0)].into_iter().zip(nodes).map(|((posting_m, seed), nodes)| {
+        let centre_m = DVec2::new(130.0, -70.0) * seed;
+        let mut level =
+            level(&map, nodes, posting_m, centre_m, |at| 700.0 * (at.x / 2300.0).sin() * (at.y / 1900.0).cos());
+        let mut random = Random(seed as u64);
+        level.heights_m.iter_mut().for_each(|height_m| *height_m += (posting_m * random.next()) as f32);
+        level
+    });
+    let mut levels: Vec<Level> = levels.collect();
+    levels[0].margin = 7;
+    levels[1].west_m += 2500.0;
+    face(map, levels)
+}
+
 /// The swept elevation of every seen node in one azimuth, `[row][column]`.
 pub fn swept(face: &Face, level: usize, settings: &Settings, direction: DVec2) -> Vec<Vec<f64>> {
     let major = Major::of(direction);
