@@ -126,6 +126,10 @@ pub fn run_encodings(
             report.notes.push(format!("{name}: skipped, its elevation models are in none of the data folders."));
             continue;
         };
+        let scene = scene.cut(if FILED.contains(name) { FILED_SIDE } else { side });
+        if !options.quick && FILED.contains(name) {
+            encodings::measure_files(&scene, &mut tables, progress)?;
+        }
         encodings::measure(&scene.cut(side), &mut tables, progress)?;
         encodings::summarise(&mut tables);
         report.plots = vec![encodings::plot(&tables)];
@@ -171,6 +175,10 @@ fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Erro
 
 /// Terrains on which every encoding is tried; the first two are those of a quick run.
 pub const ENCODED: [&str; 7] = ["cratered", "fractal", "smooth", "blocks", "peaks", "ridge", "cap"];
+
+/// Those of which files are measured as well, on patches of so many nodes.
+const FILED: [&str; 2] = ["cratered", "ridge"];
+const FILED_SIDE: usize = 512;
 
 /// One of them; `None` where its models are absent.
 fn encoded(name: &str, options: &Options) -> Result<Option<Scene>, Error> {

@@ -22,8 +22,8 @@ use crate::horizon::band::MARGIN_RADII;
 use crate::horizon::{Encoding, Settings};
 use crate::pipeline::Progress;
 
-use patch::stored_bytes;
 pub use patch::{Patch, Suns, decoded};
+use patch::{bounds, stored_bytes};
 pub use summary::{plot, summarise};
 
 /// What all others are compared with.
@@ -43,6 +43,8 @@ const FITS: [&[Encoding]; 7] = [
 ];
 /// Those that are measured with a band as well.
 const BANDED: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
+/// Those whose files are measured on larger patches.
+const FILES: [&[Encoding]; 3] = [&[Encoding::Fm16], &[Encoding::W11], &[Encoding::Q]];
 
 /// The tables that [`measure`] fills, and those that [`summarise`] makes of them.
 #[derive(Debug)]
@@ -50,6 +52,7 @@ pub struct Tables {
     pub figures: Table,
     pub ratios: Table,
     pub scenes: Table,
+    pub files: Table,
     pub shadows: Table,
     pub horizons: Table,
 }
@@ -70,6 +73,8 @@ impl Tables {
             ("ratio to fm16", ""),
             ("penumbra RMS", "share of the disc"),
             ("ratio to fm16 ", ""),
+            ("RMS everywhere", "share of the disc"),
+            ("ratio to fm16  ", ""),
         ];
         let horizons = [
             ("scene", ""),
@@ -86,36 +91,29 @@ impl Tables {
             figures: summary::figures(),
             ratios: summary::ratios(),
             scenes: summary::scenes(),
+            files: summary::files(),
             shadows: Table::new("encodings_shadows", "Encodings: shadows against uncompressed horizons", &shadows),
             horizons: Table::new("encodings", "Encodings: bytes and horizons", &horizons),
         }
     }
 
     pub fn in_order(&self) -> Vec<Table> {
-        [&self.figures, &self.ratios, &self.scenes, &self.shadows, &self.horizons].map(Table::clone).into()
+        [&self.figures, &self.ratios, &self.scenes, &self.files, &self.shadows, &self.horizons].map(Table::clone).into()
     }
 }
 
 /// Measures all encodings on one scene.
 pub fn measure(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> Result<(), Error> {
-    let settings = Settings { azimuths: AZIMUTHS, ..Settings::default() };
     let trials = Encoding::ALL.len() + SUN_ELEVATIONS_DEG.len() * BANDED.len();
     progress.begin(&format!("encodings of {}", scene.name), trials, "encodings");
-    let patch = Patch::of(scene, &settings);
+    let patch = Patch::of(scene, &settings());
     let truth = patch.suns();
     let mut rows = Vec::new();
     for family in FITS {
-        let sums = patch.fitted(family[0], |elevation_rad| elevation_rad);
-        for encoding in family.iter() {
-            let map = sums.narrowed(*encoding).map();
-            let tried = decoded(&map, &settings);
-            let sizes = [map.bytes() as f64, stored_bytes(scene, settings, &map)?];
-            tables.horizons.rows.push(patch.horizon_row(scene, *encoding, sizes, &truth, &tried));
-            for sun_deg in SUN_ELEVATIONS_DEG {
-                rows.push(shadow_row(scene, encoding.name(), sun_deg, &truth, &tried)?);
-            }
-            progress.at(rows.len() / SUN_ELEVATIONS_DEG.len(), trials);
-        }
+        let [shadows, horizons] = tried(scene, &patch, &truth, family)?;
+        rows.extend(shadows);
+        tables.horizons.rows.extend(horizons);
+        progress.at(rows.len() / SUN_ELEVATIONS_DEG.len(), trials);
     }
     for (done, sun_deg) in SUN_ELEVATIONS_DEG.into_iter().enumerate() {
         let reach_rad = (1.0 + MARGIN_RADII) * sun_radius_rad();
@@ -125,7 +123,7 @@ pub fn measure(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> R
             let Some(widest) = banded.first() else { continue };
             let sums = patch.fitted(**widest, |elevation_rad| elevation_rad.clamp(low, high));
             for encoding in banded {
-                let tried = decoded(&sums.narrowed(*encoding).map(), &settings);
+                let tried = decoded(&sums.narrowed(*encoding).map(), &settings());
                 rows.push(shadow_row(scene, &format!("{encoding}, band"), sun_deg, &truth, &tried)?);
             }
         }
@@ -136,9 +134,51 @@ pub fn measure(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> R
     Ok(())
 }
 
+/// Measures those encodings of which a file is asked for.
+pub fn measure_files(scene: &Scene, tables: &mut Tables, progress: &dyn Progress) -> Result<(), Error> {
+    progress.begin(&format!("files of {}", scene.name), 1, "scene");
+    let patch = Patch::of(scene, &settings());
+    let truth = patch.suns();
+    let mut rows = Vec::new();
+    for family in FILES {
+        let [shadows, horizons] = tried(scene, &patch, &truth, family)?;
+        rows.extend(shadows);
+        tables.files.rows.extend(horizons.into_iter().map(|row| row[..4].to_vec()));
+    }
+    summary::compare(&mut rows);
+    tables.files.rows.iter_mut().filter(|row| row.len() == 4).for_each(|row| {
+        let ratios = summary::scene_row(&rows, &row[0].text(), &row[1].text());
+        row.extend(summary::MEANS.map(|column| ratios[column].clone()));
+    });
+    Ok(())
+}
+
+/// Rows of shadows and of horizons for encodings whose sums are those of the first one.
+fn tried(scene: &Scene, patch: &Patch, truth: &Suns, family: &[Encoding]) -> Result<[Vec<Vec<Value>>; 2], Error> {
+    let sums = patch.fitted(family[0], |elevation_rad| elevation_rad);
+    let (mut rows, mut horizons) = (Vec::new(), Vec::new());
+    for encoding in family {
+        let mut map = sums.narrowed(*encoding).map();
+        let tried = decoded(&map, &settings());
+        map.bounds = bounds(&map, truth, &tried);
+        let sizes = [map.bytes() as f64, stored_bytes(scene, settings(), &map)?];
+        horizons.push(patch.horizon_row(scene, *encoding, sizes, truth, &tried));
+        for sun_deg in SUN_ELEVATIONS_DEG {
+            rows.push(shadow_row(scene, encoding.name(), sun_deg, truth, &tried)?);
+        }
+    }
+    Ok([rows, horizons])
+}
+
+fn settings() -> Settings {
+    Settings { azimuths: AZIMUTHS, ..Settings::default() }
+}
+
 fn shadow_row(scene: &Scene, label: &str, sun_deg: f64, truth: &Suns, tried: &Suns) -> Result<Vec<Value>, Error> {
     let found = shadows(truth, tried, sun_deg.to_radians())?;
     let mut row = vec![scene.name.as_str().into(), label.into(), sun_deg.into()];
-    row.extend([(100.0 * found.wrong).into(), Value::Missing, found.penumbra.rms.into(), Value::Missing]);
+    for error in [100.0 * found.wrong, found.true_penumbra_rms, found.rms] {
+        row.extend([error.into(), Value::Missing]);
+    }
     Ok(row)
 }

@@ -8,6 +8,7 @@ use super::{AZIMUTHS, SUNS};
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Error, Value};
+use crate::horizon::bound::{self, Bounds};
 use crate::horizon::decode::Decoder;
 use crate::horizon::fit::{Accumulator, Plane};
 use crate::horizon::store::{self, Header};
@@ -112,6 +113,16 @@ pub fn decoded(map: &HorizonMap, settings: &Settings) -> Suns {
     let rows: Vec<Vec<f32>> = (0..map.rows).into_par_iter().map(|row| decoder.row(row)).collect();
     let towards = |sun: usize| rows.iter().flat_map(|row| &row[sun * map.columns..][..map.columns]).copied().collect();
     (0..SUNS).into_par_iter().map(towards).collect()
+}
+
+/// Bounds of about the entropy that a tile's own have: the largest error of each node towards the Suns.
+pub(super) fn bounds(map: &HorizonMap, truth: &Suns, tried: &Suns) -> Bounds {
+    let largest_rad = |node: usize| {
+        let errors_rad = truth.iter().zip(tried).map(|(truth, tried)| (tried[node] - truth[node]).abs());
+        f64::from(errors_rad.fold(0.0, f32::max))
+    };
+    let codes = (0..map.columns * map.rows).into_par_iter().map(|node| bound::encode(largest_rad(node))).collect();
+    Bounds { columns: map.columns, codes }
 }
 
 /// Size of the tile's file.
