@@ -105,7 +105,7 @@ pub fn run_encodings(
     progress: &dyn Progress,
     partial: &dyn Fn(&Report) -> Result<(), Error>,
 ) -> Result<Report, Error> {
-    let side = if options.quick { 96 } else { 256 };
+    let side = if options.quick { 96 } else { 128 };
     let mut tables = encodings::Tables::new();
     let mut report = Report {
         name: "encodings",
