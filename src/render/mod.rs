@@ -21,7 +21,7 @@ pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View, ViewRays};
 
 use std::time::Duration;
 

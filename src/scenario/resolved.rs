@@ -11,6 +11,7 @@ use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::photometry::Curve;
+use crate::render::ViewRays;
 
 pub use super::spec::{
     Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, ShadowPreset,
@@ -38,6 +39,7 @@ pub struct Scenario {
     pub shadows: Shadows,
     /// Whether tracing settles what horizon maps leave open.
     pub refine: bool,
+    pub view_rays: ViewRays,
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
