@@ -102,7 +102,10 @@ pub fn choose(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) ->
         return Choice { shadows: Shadows::Off, why: Some("shadows: Off, there is no terrain to cast any".into()) };
     }
     if scenario.terrain.as_ref().is_some_and(|terrain| matches!(terrain.dems[..], [Dem::Globe(_)])) {
-        return Choice { shadows: Shadows::Fourier, why: Some("shadows: Fourier, a globe's tiles need its horizon maps".into()) };
+        return Choice {
+            shadows: Shadows::Fourier,
+            why: Some("shadows: Fourier, a globe's tiles need its horizon maps".into()),
+        };
     }
     Facts::of(scenario, surface, exposures, max_irradiance_error).choice()
 }

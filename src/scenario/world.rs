@@ -151,8 +151,8 @@ pub fn lights_of_globe(spec: &Spec, check: &mut Check) {
         return;
     }
     use spec::Shadows;
-    let without_maps = !spec.shadows.need_maps()
-        && !matches!(spec.shadows, Shadows::Off | Shadows::Preset(_) | Shadows::Auto { .. });
+    let without_maps =
+        !spec.shadows.need_maps() && !matches!(spec.shadows, Shadows::Off | Shadows::Preset(_) | Shadows::Auto { .. });
     check.needs(!without_maps, "shadows", "to be Fourier, Baked, Series, Preset, Auto or Off over a Globe");
     check.needs(!spec.refine, "refine", "other terrain than a Globe, beyond whose tiles no ray is traced");
     check.needs(spec.bounce.is_none(), "bounce", "other terrain than a Globe, beyond whose tiles no light is followed");

@@ -31,11 +31,7 @@ impl Cut {
     }
 
     /// Tiles no coarser than those `wanted`, wherever these are; of all others those that are `needed`.
-    pub fn new(
-        tree: &QuadTree,
-        wanted: impl IntoIterator<Item = TileId>,
-        needed: impl Fn(TileId) -> bool,
-    ) -> Self {
+    pub fn new(tree: &QuadTree, wanted: impl IntoIterator<Item = TileId>, needed: impl Fn(TileId) -> bool) -> Self {
         let mut divided = BTreeSet::new();
         for tile in wanted {
             divide(&mut divided, tile.parent());

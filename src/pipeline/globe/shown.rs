@@ -50,7 +50,8 @@ impl Shown {
     pub fn open(body: &Body, written: &scenario::Globe, values: Values) -> Result<Self, Error> {
         let dem = GlobalDem::open(&written.path, body, values)?;
         let given = written.tiles.as_deref().map(index_in).transpose()?;
-        let (cells, margin) = given.as_ref().map_or((CELLS, MARGIN), |(_, index)| (index.plan.cells, index.plan.margin));
+        let (cells, margin) =
+            given.as_ref().map_or((CELLS, MARGIN), |(_, index)| (index.plan.cells, index.plan.margin));
         let given_m = given.as_ref().map(|(_, index)| index.plan.posting_m);
         let tree = QuadTree::new(body, cells, given_m.or(written.posting_m).unwrap_or(dem.posting_m));
         let dem_sha256 = raster::digest(&written.path)?;

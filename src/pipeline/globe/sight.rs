@@ -130,7 +130,8 @@ struct Part {
 
 fn parts(tree: &QuadTree, dem: &GlobalDem, tile: TileId) -> Vec<Part> {
     let side = tree.cells as f64 / PARTS as f64;
-    let relief_m = dem.lowest_m.abs().max(dem.highest_m.abs()) + tree.body.equatorial_radius_m - tree.body.polar_radius_m;
+    let relief_m =
+        dem.lowest_m.abs().max(dem.highest_m.abs()) + tree.body.equatorial_radius_m - tree.body.polar_radius_m;
     let part = |index: usize| {
         let corner = DVec2::new((index % PARTS) as f64, (index / PARTS) as f64) * side;
         let at = |x: f64, y: f64| tree.on_sphere(tile, corner + side * DVec2::new(x, y)).vector_m();

@@ -90,7 +90,8 @@ fn turn(own: &mut Level, coarse: &Level, weight: impl Fn(DVec2) -> f64 + Sync) {
 fn weight(tree: &QuadTree, tile: TileId, coarser_beside: &[bool; 8], at_m: DVec2) -> f64 {
     let cells = tree.cells as f64;
     // To rounding a node on the side is on it.
-    let node = ((at_m - tree.node_m(tile, DVec2::ZERO)) / tree.posting_m(tile.level)).clamp(DVec2::ZERO, DVec2::splat(cells));
+    let node =
+        ((at_m - tree.node_m(tile, DVec2::ZERO)) / tree.posting_m(tile.level)).clamp(DVec2::ZERO, DVec2::splat(cells));
     let feather = 2.0 * FEATHER_POSTINGS;
     let away = |step: i8, at: f64| match step {
         -1 => at,
