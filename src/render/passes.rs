@@ -299,7 +299,7 @@ impl Prepared {
 
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
         let first_level = self.ground.levels.iter().position(|level| level.face == index).unwrap_or(0);
-        MapFace::new(view, face, first_level, scene.surface.terrain.faces.len() == 1)
+        MapFace::new(view, face, &self.ground.balls[index], first_level, scene.surface.terrain.faces.len() == 1)
     }
 
     /// The centres' hits in f64: the device says where on which cell, the host computes the point.

@@ -17,6 +17,8 @@ struct MapFace {
     quotient: vec4f,
     // Seen part of the outermost level: west, south, east, north.
     bounds_m: vec4f,
+    // Towards its ground in camera axes; w is the least cosine with that.
+    cone: vec4f,
     first_level: u32,
     levels: u32,
     // 1 where the camera stands well above the map's plane, so that rays start at the camera.
@@ -327,6 +329,10 @@ fn leaves_below_sphere(face: MapFace, ray: LiftedRay) -> bool {
 
 // The first meeting of a ray (camera axes) with the maps' ground.
 fn hit_face(index: u32, camera_d: vec3f) -> SurfaceHit {
+    let cone = map_faces[index].cone;
+    if dot(cone.xyz, camera_d) < cone.w {
+        return no_hit();
+    }
     let face = map_faces[index];
     let d = map_direction(face, camera_d);
     let ray = lifted_ray(face, d);
