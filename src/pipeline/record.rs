@@ -42,6 +42,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if let Some(globe) = &prepared.ground.globe {
+        settings["globe"] = globe.record();
+    }
     if let Some(bounce) = scenario.bounce {
         settings["bounce"] = serde_json::json!(bounce);
     }

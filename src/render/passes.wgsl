@@ -131,9 +131,9 @@ fn first_hit(camera_d: vec3f, body_d: vec3f, start_m: f32) -> SurfaceHit {
     let bare_m = bare_distance(view.scaled_camera, body_d / view.radii_m.xyz);
     if bare_m < nearest.distance_m && bare_m >= 0.0 {
         var covered = false;
-        for (var face = 0u; face < FACES; face++) {
+        for (var face = 0u; face < FACES && !covered; face++) {
             let map = map_faces[face];
-            covered = covered || is_covered(map, map.camera_m.xyz + bare_m * map_direction(map, camera_d));
+            covered = is_covered(map, map.camera_m.xyz + bare_m * map_direction(map, camera_d));
         }
         if !covered {
             nearest = SurfaceHit(BARE, 0u, vec2i(0), vec2f(0.0), bare_m);

@@ -104,6 +104,20 @@ pub enum Dem {
         values: Values,
         posting_m: Option<f64>,
     },
+    Globe(Globe),
+}
+
+/// A model of the whole body, shown in tiles by what the cameras see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Globe {
+    pub path: PathBuf,
+    pub values: Values,
+    /// `None`: the model's own.
+    pub posting_m: Option<f64>,
+    /// A folder of horizon tiles.
+    pub tiles: Option<PathBuf>,
+    pub posting_px: f64,
+    pub most_tiles: u32,
 }
 
 #[derive(Debug, Clone, PartialEq)]

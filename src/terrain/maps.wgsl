@@ -12,6 +12,8 @@ struct MapFace {
     quotient: vec4f,
     // Seen part of the outermost level: west, south, east, north.
     bounds_m: vec4f,
+    // Towards its ground in camera axes; w is the least cosine with that.
+    cone: vec4f,
     first_level: u32,
     levels: u32,
     // 1 where the camera stands well above the map's plane, so that rays start at the camera.

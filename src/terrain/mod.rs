@@ -1,6 +1,7 @@
 //! The surface as height fields over gnomonic maps, on which every line of sight is straight.
 
 pub mod build;
+pub mod cut;
 pub mod gnomonic;
 pub mod level;
 mod march;
@@ -10,7 +11,8 @@ pub mod quadtree;
 pub mod surface;
 pub mod synthetic;
 
-pub use build::{GlobalDem, NestedDem, ResamplingError, build_cube, build_face, build_tile};
+pub use build::{GlobalDem, NestedDem, ResamplingError, build_cube, build_face, build_tile, drawn_tile};
+pub use cut::Cut;
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
 pub use mesh::Mesh;

@@ -52,7 +52,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
         ("RayWindow", host!(RayWindow: low scale columns rows pitch near_m)),
         (
             "MapFace",
-            host!(MapFace: from_camera_x from_camera_y from_camera_z camera_m quotient bounds_m first_level levels
+            host!(MapFace: from_camera_x from_camera_y from_camera_z camera_m quotient bounds_m cone first_level levels
                 direct open_edge),
         ),
         (
