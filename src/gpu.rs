@@ -176,18 +176,12 @@ impl Gpu {
             pass.set_bind_group(0, &bind_group, &[]);
             pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
         }
-        self.submit_timed(encoder)
-    }
-
-    /// Submits a pass between two timestamps. Returns the seconds it took, and waits for it, where the device can tell.
-    fn submit_timed(&self, mut encoder: wgpu::CommandEncoder) -> Option<f64> {
         if let Some(timer) = &self.timer {
             encoder.resolve_query_set(&timer.queries, 0..2, &timer.resolved, 0);
         }
         self.queue.submit([encoder.finish()]);
-        let timer = self.timer.as_ref()?;
-        let ticks: Vec<u64> = self.read(&timer.resolved).ok()?;
-        Some(ticks[1].saturating_sub(ticks[0]) as f64 * timer.seconds_per_tick)
+        let ticks: Vec<u64> = self.read(&self.timer.as_ref()?.resolved).ok()?;
+        Some(ticks[1].saturating_sub(ticks[0]) as f64 * self.timer.as_ref()?.seconds_per_tick)
     }
 
     fn bindings(&self, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {

@@ -88,8 +88,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
             ("pixels", ""),
             ("rays", ""),
             ("all", "s"),
-            ("device", "s"),
-            ("all, to exact", ""),
+            ("to exact", ""),
             ("another radiance", "pixels"),
             ("another radiance", "%"),
         ],
@@ -136,7 +135,7 @@ const VIEW_RAYS: [(&str, ViewRays); 4] = [
 /// Time of each way, in turns, and where its radiance is not that of the exact one.
 fn view_rays(gpu: &Gpu, scene: &mut Scene, exposures: &[Exposure], repeat: usize) -> Result<Vec<Vec<Value>>, Error> {
     let mut renderers = VIEW_RAYS.map(|_| Passes::new(gpu));
-    let mut laps: [[Vec<f64>; 2]; VIEW_RAYS.len()] = Default::default();
+    let mut laps: [Vec<f64>; VIEW_RAYS.len()] = Default::default();
     let mut other = [0; VIEW_RAYS.len()];
     for exposure in exposures {
         let mut exact = None;
@@ -151,21 +150,19 @@ fn view_rays(gpu: &Gpu, scene: &mut Scene, exposures: &[Exposure], repeat: usize
                 scene.view_rays = rays;
                 let clock = Instant::now();
                 renderers[way].samples(scene, &exposure.view)?;
-                laps[way][0].push(lap(clock));
-                laps[way][1].push(renderers[way].device_time().map_or(f64::NAN, |time| time.as_secs_f64()));
+                laps[way].push(lap(clock));
             }
         }
     }
     let pixels = f64::from(scene.optics.columns) * f64::from(scene.optics.rows);
-    let times = laps.map(|laps| laps.map(|laps| median(laps).unwrap_or(f64::NAN)));
-    let rows = VIEW_RAYS.iter().zip(times).zip(other).map(|(((name, _), [all, device]), other)| {
+    let times = laps.map(|laps| median(laps).unwrap_or(f64::NAN));
+    let rows = VIEW_RAYS.iter().zip(times).zip(other).map(|(((name, _), all), other)| {
         let share = other as f64 / (pixels * exposures.len() as f64);
         vec![
             pixels.into(),
             (*name).into(),
             all.into(),
-            device.into(),
-            (all / times[0][0]).into(),
+            (all / times[0]).into(),
             (other as f64).into(),
             (100.0 * share).into(),
         ]

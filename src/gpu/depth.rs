@@ -1,6 +1,6 @@
 //! Triangles drawn into an image of depths, nearest first; nothing else is drawn.
 
-use super::{Gpu, GpuError, Timer};
+use super::{Gpu, GpuError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -9,8 +9,6 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct Depths {
     pub buffer: wgpu::Buffer,
     pub pitch: u32,
-    /// What the device took, where it can tell.
-    pub seconds: Option<f64>,
 }
 
 impl Gpu {
@@ -81,8 +79,8 @@ impl Gpu {
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
         encoder.copy_texture_to_buffer(source, wgpu::TexelCopyBufferInfo { buffer: &buffer, layout }, size);
-        let seconds = self.submit_timed(encoder);
-        Depths { buffer, pitch: bytes_per_row / 4, seconds }
+        self.queue.submit([encoder.finish()]);
+        Depths { buffer, pitch: bytes_per_row / 4 }
     }
 
     fn encode(
@@ -101,7 +99,7 @@ impl Gpu {
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
-            timestamp_writes: self.timer.as_ref().map(Timer::draw_writes),
+            timestamp_writes: None,
             occlusion_query_set: None,
             multiview_mask: None,
         });
@@ -109,16 +107,6 @@ impl Gpu {
         pass.set_bind_group(0, &self.bindings(&pipeline.get_bind_group_layout(0), buffers), &[]);
         for (vertices, instance) in draws {
             pass.draw(vertices.clone(), *instance..instance + 1);
-        }
-    }
-}
-
-impl Timer {
-    fn draw_writes(&self) -> wgpu::RenderPassTimestampWrites<'_> {
-        wgpu::RenderPassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: Some(1),
         }
     }
 }

@@ -49,7 +49,7 @@ pub trait Renderer {
         Ok(Skylines::default())
     }
 
-    /// What the device spent on the last view, where it can tell.
+    /// What the device spent on the last view in compute passes, where it can tell.
     fn device_time(&self) -> Option<Duration> {
         None
     }

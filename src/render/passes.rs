@@ -276,8 +276,7 @@ impl Prepared {
             Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
             None => Starts::at_the_camera(gpu),
         };
-        let seconds = baking.unwrap_or(Some(0.0)).zip(starts.seconds).map(|(baking, drawing)| baking + drawing);
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), seconds);
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let pipeline = &self.programs[table.program].pipeline;
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);

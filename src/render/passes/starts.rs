@@ -3,7 +3,8 @@
 //! Jung 2020's rays start at the fragments of a mesh whose vertices are displaced by the terrain. Here the mesh lies above
 //! the terrain ([`Mesh`]) and is drawn alone; the rays of all samples look their start up, whatever the lens does to them,
 //! step a cell at a time and narrow the last step. A ray that finds nothing in so many steps is cast exactly from where it
-//! is. What is lost is ground thinner than a step: `tests/conformance/starts.rs` says how much.
+//! is. On software Vulkan all this takes 1.4 times as long as exact rays do (squares of 8 cells; `sim bench frame`): the walk
+//! over maxima passes empty space in a few steps. What is lost is ground thinner than a step: 0.01 % of the pixels of an oblique view of craters have another radiance.
 //!
 //! ```text
 //! depth = NEAR_M / z,   distance = NEAR_M / depth · |(x, y, 1)|      the nearest has the largest depth; 0: no mesh
@@ -45,14 +46,13 @@ pub struct DeviceMesh {
 pub struct Starts {
     pub window: Buffer,
     pub depths: Buffer,
-    pub seconds: Option<f64>,
 }
 
 impl Starts {
     /// Rays are cast from the camera.
     pub fn at_the_camera(gpu: &Gpu) -> Self {
         let depths = gpu.storage::<f32>("depths", &[]);
-        Self { window: gpu.storage("ray window", &[RayWindow::zeroed()]), depths, seconds: Some(0.0) }
+        Self { window: gpu.storage("ray window", &[RayWindow::zeroed()]), depths }
     }
 }
 
@@ -84,9 +84,9 @@ impl DeviceMesh {
         let window = RayWindow { near_m: NEAR_M, ..window };
         let drawn = gpu.storage("ray window", &[window]);
         let buffers = [&drawn, maps[0], maps[1], &self.corners];
-        let Depths { buffer, pitch, seconds } =
+        let Depths { buffer, pitch } =
             gpu.draw_depths(&self.pipeline, &buffers, &self.draws, [window.columns, window.rows]);
-        Starts { window: gpu.storage("ray window", &[RayWindow { pitch, ..window }]), depths: buffer, seconds }
+        Starts { window: gpu.storage("ray window", &[RayWindow { pitch, ..window }]), depths: buffer }
     }
 
     /// Whether the mesh is above the camera, so that rays leave it where they should enter.
