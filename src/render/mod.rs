@@ -27,7 +27,7 @@ use std::time::Duration;
 
 use crate::gpu::GpuError;
 use crate::horizon::Encoding;
-use crate::shadow::OutsideSwath;
+use crate::shadow::{OutsideSwath, Skylines};
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
@@ -41,6 +41,12 @@ pub trait Renderer {
 
     fn samples(&mut self, scene: &Scene, view: &View) -> Result<Samples, RenderError> {
         self.follow(scene, &scene.rays(), view)
+    }
+
+    /// The skylines that the last view was rendered with, for whoever asks about its light again; none where this renderer keeps
+    /// none.
+    fn skylines(&mut self, _scene: &Scene) -> Result<Skylines, RenderError> {
+        Ok(Skylines::default())
     }
 
     /// What the device spent on the last view, where it can tell.

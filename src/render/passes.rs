@@ -30,7 +30,7 @@ use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
-use crate::shadow::{At, Lighting};
+use crate::shadow::{At, Lighting, OutsideSwath, Skylines};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
@@ -105,6 +105,14 @@ impl Renderer for Passes<'_> {
         self.device_time
     }
 
+    fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
+        let kept = self.prepared.as_mut().and_then(|prepared| prepared.skylines.as_mut());
+        match kept.filter(|_| scene.shadows.towards().is_some()) {
+            Some(kept) => kept.on_host(self.gpu, scene),
+            None => Ok(Skylines::default()),
+        }
+    }
+
     fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
         if self.prepared.is_none() {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
@@ -112,7 +120,7 @@ impl Renderer for Passes<'_> {
         let prepared = self.prepared.as_mut().expect("prepared above");
         // Bounced light is found on the host, from the same shadows as the reference renderer's.
         let shadow = match scene.bounce {
-            Some(_) => reference::shadow(scene, view)?,
+            Some(_) => reference::shadow(scene, view, &prepared.found_on_host(scene, view)?)?,
             None => None,
         };
         let diffuse = Diffuse::of(scene, view, shadow.as_deref());
@@ -174,6 +182,14 @@ impl Prepared {
             ground,
             skylines,
         })
+    }
+
+    /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
+    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, OutsideSwath> {
+        match &mut self.skylines {
+            Some(skylines) => skylines.found_on_host(scene, &view.held_lights()),
+            None => Ok(Skylines::default()),
+        }
     }
 
     /// Where the table of some rays is; it is made once.
