@@ -107,6 +107,13 @@ pub enum Dem {
     Globe(Globe),
 }
 
+impl Scenario {
+    /// Whether the terrain is a globe in tiles.
+    pub fn shows_globe(&self) -> bool {
+        self.terrain.as_ref().is_some_and(|terrain| matches!(terrain.dems[..], [Dem::Globe(_)]))
+    }
+}
+
 /// A model of the whole body, shown in tiles by what the cameras see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Globe {
