@@ -154,7 +154,8 @@ pub fn run(args: Args) -> Outcome {
         Bench::Horizon(tables) => {
             let mut options = horizons::Options::new(tables.quick, tables.folders());
             options.program = std::env::current_exe().ok();
-            (horizons::run(&options, &bars)?, tables.output)
+            let publish = |report: &Report| report.write(&tables.output.output).map(|_| ());
+            (horizons::run(&options, &bars, &publish)?, tables.output)
         }
         Bench::Encodings { tables, scenes } => {
             let options = horizons::Options::new(tables.quick, tables.folders());

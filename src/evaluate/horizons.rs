@@ -47,20 +47,26 @@ impl Options {
         Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 }, program: None }
     }
 
+    fn settings(&self) -> Settings {
+        Settings { azimuths: self.azimuths, ..Settings::default() }
+    }
+
     /// Runs of the clock, and azimuths in each.
     fn clock(&self) -> (usize, usize) {
         if self.quick { (3, 4) } else { (3, 24) }
     }
 }
 
+/// Takes a report that is not whole yet.
+pub type Publish<'a> = &'a dyn Fn(&Report) -> Result<(), Error>;
+
 /// Columns of the tables of errors and of speed.
 const P95: usize = 6;
 const MEDIAN: usize = 5;
 
-/// Measures all scenes.
-pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
-    let machine = Machine::here();
-    let mut tables = Tables::new();
+/// Measures all scenes. What is found is shown to `publish` scene by scene: a run of a quarter of an hour that is stopped
+/// leaves what it had.
+pub fn run(options: &Options, progress: &dyn Progress, publish: Publish) -> Result<Report, Error> {
     let mut notes = vec![
         format!("{} pixels of each scene, {} azimuths, no limit of the search.", options.pixels, options.azimuths),
         "Samples/s/core: of the time a thread spends on a core. Median of the runs; slowest and fastest beside it."
@@ -68,11 +74,21 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         "Peak memory of encodings: of the whole benchmark, terrain included, while the tile was built.".into(),
         "Shadows: all azimuths of the same pixels; the penumbra is where truth or trial see a part of the disc.".into(),
     ];
+    let mut tables = Tables::new();
     let scenes = scenes(options, &mut notes)?;
+    let grass = peers::grass_version();
+    notes.push(match &grass {
+        Some(version) => format!("Peers: {version}, an azimuth a run, by its own time on the core."),
+        None => "GRASS: skipped, no `grass` on the path.".into(),
+    });
     for scene in &scenes {
         measure(scene, options, &mut tables, progress)?;
+        // GRASS knows one model, not nested ones.
+        if grass.is_some() && scene.face.levels.len() == 1 {
+            beside_grass(scene, options, &mut tables, &mut notes, progress)?;
+        }
+        publish(&tables.report(&notes))?;
     }
-    beside_grass(&scenes[0], options, &mut tables, &mut notes, progress)?;
     let nested = scenes.iter().find(|scene| scene.face.levels.len() > 1);
     progress.begin("curvature", 1, "table");
     tables.curvature.rows =
@@ -84,17 +100,7 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         progress.begin("memory", 1, "table");
         tables.memory.rows = memory::rows(program, if options.quick { 256 } else { 1024 }, options.azimuths)?;
     }
-    let plots = std::iter::once(speed_and_error(&tables)).chain(shadows::plots(&tables.shadows)).collect();
-    let tables = tables.in_order();
-    Ok(Report {
-        name: "horizon",
-        title: "Horizons: speed and error".into(),
-        machine,
-        notes,
-        plots,
-        tables,
-        pictures: Vec::new(),
-    })
+    Ok(tables.report(&notes))
 }
 
 /// Measures all encodings on patches of some of [`ENCODED`], of all if none is named, and hands the report on each time that
@@ -146,17 +152,11 @@ fn beside_grass(
     notes: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
-    let Some(version) = peers::grass_version() else {
-        notes.push("GRASS: skipped, no `grass` on the path.".into());
-        return Ok(());
-    };
-    progress.begin("r.horizon", 1, "scene");
-    let settings = Settings { azimuths: options.azimuths, ..Settings::default() };
-    match peers::rows(scene, &settings, if options.quick { 1 } else { 3 })? {
-        Some(rows) => tables.peers.rows = rows,
-        None => notes.push("GRASS: skipped, it is installed and did not run r.horizon.".into()),
+    progress.begin(&format!("r.horizon on {}", scene.name), 1, "scene");
+    match peers::rows(scene, &options.settings(), if options.quick { 1 } else { 3 })? {
+        Some(rows) => tables.peers.rows.extend(rows),
+        None => notes.push(format!("GRASS did not run r.horizon on {}.", scene.name)),
     }
-    notes.push(format!("Peers: {version}, an azimuth a run, by its own time on the core."));
     Ok(())
 }
 
@@ -220,11 +220,19 @@ impl Tables {
         }
     }
 
-    /// Those that have rows.
-    fn in_order(self) -> Vec<Table> {
+    /// What is known so far: the tables that have rows.
+    fn report(&self, notes: &[String]) -> Report {
         let Self { speed, peers, errors, certificates, curvature, fritsch, memory, tiles, shadows } = self;
         let all = [speed, peers, errors, certificates, curvature, fritsch, memory, tiles, shadows];
-        all.into_iter().filter(|table| !table.rows.is_empty()).collect()
+        Report {
+            name: "horizon",
+            title: "Horizons: speed and error".into(),
+            machine: Machine::here(),
+            notes: notes.to_vec(),
+            plots: std::iter::once(speed_and_error(self)).chain(shadows::plots(shadows)).collect(),
+            tables: all.into_iter().filter(|table| !table.rows.is_empty()).cloned().collect(),
+            pictures: Vec::new(),
+        }
     }
 }
 
@@ -247,7 +255,7 @@ fn speed_and_error(tables: &Tables) -> Plot {
 }
 
 fn measure(scene: &Scene, options: &Options, tables: &mut Tables, progress: &dyn Progress) -> Result<(), Error> {
-    let settings = Settings { azimuths: options.azimuths, ..Settings::default() };
+    let settings = options.settings();
     let (runs, azimuths) = options.clock();
     progress.begin(&format!("speed on {}", scene.name), 1, "scene");
     tables.speed.rows.extend(speed::rows(scene, &settings, runs, azimuths)?);

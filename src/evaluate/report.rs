@@ -8,6 +8,7 @@ use serde_json::{Value as Json, json};
 use super::plot::{Plot, escaped};
 use super::table::{Table, heading};
 use super::{Error, Machine};
+use crate::dataset::write_whole;
 
 /// Tables, plots and images of one benchmark.
 #[derive(Debug, Clone)]
@@ -56,7 +57,7 @@ impl Report {
         let mut paths = Vec::new();
         for (end, bytes) in files {
             let path = directory.join(format!("{}.{end}", self.name));
-            fs::write(&path, bytes).map_err(|source| Error::Write { path: path.clone(), source })?;
+            write_whole(&path, &bytes)?;
             paths.push(path);
         }
         Ok(paths)

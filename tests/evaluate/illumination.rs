@@ -13,6 +13,7 @@ use perilune::horizon::{self, Encoding, Request, Settings};
 use perilune::illumination::{Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best};
 use perilune::photometry::{LimbDarkening, SolarDisk};
 use perilune::pipeline::Silent;
+use perilune::raster::{Dem, Options};
 use perilune::terrain::{Face, Gnomonic, Level};
 
 const RADIUS_RAD: f64 = 0.00465;
@@ -206,7 +207,8 @@ fn gaps_have_no_illumination() {
 
 /// Mazarico et al. (2011) name 89.45 S, 222.69 E as the best illuminated point of their 240 m model, lit 89.0 % of the
 /// time. Ours is of the same posting and later tracks, over one nodal period: it finds the same node among 220 within
-/// 2 km, lit 90.5 % of the time; 5 points are what models of one posting differ by there.
+/// 2 km, lit 90.5 % of the time; 5 points are what models of one posting differ by there. That the mean share of the disc
+/// is 7.6 points less than the time lit is no error: a few lines that share nothing with the program find 7.2.
 #[test]
 fn mazaricos_point_is_the_best_of_its_neighbourhood() {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
@@ -217,7 +219,9 @@ fn mazaricos_point_is_the_best_of_its_neighbourhood() {
         return;
     }
     let almanac = Almanac::load(&kernels).unwrap();
-    let Some(table) = percentages::published(&[data], &percentages::CLAIMS[..1], &almanac, &Silent).unwrap() else {
+    let Some(table) =
+        percentages::published(std::slice::from_ref(&data), &percentages::CLAIMS[..1], &almanac, &Silent).unwrap()
+    else {
         println!("skipped: no elevation models in SIM_DATA");
         return;
     };
@@ -236,4 +240,57 @@ fn mazaricos_point_is_the_best_of_its_neighbourhood() {
     assert!((cell("best, lit") - 89.0).abs() < 5.0, "{}", table.text());
     // What lies around it is far darker: a place on a ridge.
     assert!(cell("mean, disc") < 60.0, "{}", table.text());
+
+    let dem = Dem::open(&data.join("dem/southcap_240m_1536.tif"), &Body::moon(), &Options::default()).unwrap();
+    let [disc, lit] = shares_by_few_lines(&dem, cell("best at latitude"), cell("longitude"));
+    // Steps miss crests between them, which lowers skylines, and the Sun's year is no circle.
+    assert!((cell("best, disc") - 100.0 * disc).abs() < 1.5, "{disc} {}", table.text());
+    assert!((cell("best, lit") - 100.0 * lit).abs() < 1.5, "{lit} {}", table.text());
+}
+
+/// Mean share of the disc, and share of the time with any of it in sight, by a skyline of 60 m steps over a polar
+/// stereographic grid and a Sun that goes round in a synodic month and swings by 1.54° in a draconic year.
+fn shares_by_few_lines(dem: &Dem, latitude_deg: f64, longitude_deg: f64) -> [f64; 2] {
+    const MOON_M: f64 = 1_737_400.0;
+    const SKYLINE: usize = 720;
+    let (sin, cos) = latitude_deg.to_radians().sin_cos();
+    let (sin_east, cos_east) = longitude_deg.to_radians().sin_cos();
+    let up = DVec3::new(cos * cos_east, cos * sin_east, sin);
+    let east = DVec3::new(-sin_east, cos_east, 0.0);
+    let north = up.cross(east);
+    let radius_m = |at: DVec3| {
+        // Snyder (1987), eq. 21-33 and 21-5 to 21-6 for the south: rho = 2 R tan(45° + lat/2).
+        let rho_m = 2.0 * MOON_M * (0.25 * TAU / 2.0 + 0.5 * at.z.asin()).tan();
+        let (x_m, y_m) = (rho_m * at.y / at.x.hypot(at.y), rho_m * at.x / at.x.hypot(at.y));
+        MOON_M + dem.bilinear_m(DVec2::new((x_m + 184_320.0) / 240.0 - 0.5, (184_320.0 - y_m) / 240.0 - 0.5))
+    };
+    let observer_m = radius_m(up);
+    let skyline: Vec<f64> = (0..SKYLINE)
+        .map(|index| {
+            let (sin, cos) = (TAU * index as f64 / SKYLINE as f64).sin_cos();
+            let towards = cos * north + sin * east;
+            let elevation_rad = |step: usize| {
+                let (sin, cos) = (60.0 * step as f64 / MOON_M).sin_cos();
+                let far_m = radius_m(cos * up + sin * towards);
+                (far_m * cos - observer_m).atan2(far_m * sin)
+            };
+            // Beyond the grid there is nothing: NaN is no maximum.
+            (1..3500).map(elevation_rad).fold(f64::NEG_INFINITY, f64::max)
+        })
+        .collect();
+    const STEPS: usize = 54_344;
+    let mut sums = [0.0; 2];
+    for step in 0..STEPS {
+        let days = 0.125 * step as f64;
+        let (sin, cos) = (1.543_f64.to_radians() * (TAU * days / 346.62).sin()).sin_cos();
+        let (sin_round, cos_round) = (-TAU * days / 29.5306).sin_cos();
+        let sun = DVec3::new(cos * cos_round, cos * sin_round, sin);
+        let azimuth = sun.dot(east).atan2(sun.dot(north)).rem_euclid(TAU) / TAU * SKYLINE as f64;
+        let (low, part) = (azimuth as usize % SKYLINE, azimuth.fract());
+        let skyline_rad = (1.0 - part) * skyline[low] + part * skyline[(low + 1) % SKYLINE];
+        let above = ((sun.dot(up).asin() - skyline_rad) / RADIUS_RAD).clamp(-1.0, 1.0);
+        sums[0] += 0.5 + (above * (1.0 - above * above).sqrt() + above.asin()) * 2.0 / TAU;
+        sums[1] += f64::from(above > -1.0);
+    }
+    sums.map(|sum| sum / STEPS as f64)
 }
