@@ -29,8 +29,10 @@ use super::Group;
 use super::water::{Means, Residual, box_means, place, quantise};
 use crate::horizon::pack::{Encoding, Field, Texels};
 
-/// Of all coefficients but the mean on the finest page: 0.10°. With fifteen harmonics skylines err about as those of `fm16`.
-const STEP_RAD: f32 = 1.8e-3;
+/// Of all coefficients but the mean on the finest page: 0.11°. Skylines err about as those of `fm16`.
+const STEP_RAD: f32 = 1.9e-3;
+/// Values are moved towards 0 by up to this share of a step before they are rounded: 6 % fewer bytes at 1 to 3 % more error.
+const DEAD: f32 = 0.1;
 /// Steps of coarser pages, as a share.
 const COARSE_STEP: f32 = 0.5;
 
@@ -51,7 +53,7 @@ pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>
         let steps = (0..).map(|eighths: i32| step_rad * (eighths as f32 / 8.0).exp2());
         let fields = steps.into_iter().find_map(|step_rad| fields(&ranges, step_rad, page.words));
         let fields = fields.expect("steps grow until no coefficient needs a code");
-        let (level, decoded) = quantise(&residual, &fields, page, index > 0);
+        let (level, decoded) = quantise(&residual, &fields, page, DEAD, index > 0);
         levels.insert(0, level);
         all_fields.insert(0, fields);
         coarser.extend(decoded);
@@ -107,7 +109,7 @@ mod tests {
 
     /// Coefficients of falling size, one of them constant, one 0.
     fn group(size_rad: f32) -> Group {
-        let (columns, rows, reals) = (40, 24, 32);
+        let (columns, rows, reals) = (40, 24, 40);
         let value = |index: usize| {
             let real = index / columns % reals;
             let wave = ((index * 7 % 101) as f32 / 50.0 - 1.0) * size_rad / (1 + real) as f32;
@@ -122,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coefficient_errs_by_more_than_half_a_step() {
+    fn no_coefficient_errs_by_more_than_half_a_step_and_the_dead_zone() {
         for (size_rad, largest_step_rad) in [(0.3, STEP_RAD), (30.0, 64.0 * STEP_RAD)] {
             let group = group(size_rad);
             let (levels, fields) = pyramid(Encoding::Q, std::slice::from_ref(&group));
@@ -139,8 +141,8 @@ mod tests {
                 for (k, [a, b]) in (1..).zip(&series.harmonics_rad) {
                     for (real, got) in [(2 * k, a), (2 * k + 1, b)] {
                         let expected = f64::from(group.row(row, real)[column]);
-                        // Half a step, and rounding of a hundred times as much in f32.
-                        assert!((got - expected).abs() <= 0.501 * f64::from(step_rad), "{real} {got} {expected}");
+                        // Half a step, the dead zone, and rounding of a hundred times as much in f32.
+                        assert!((got - expected).abs() <= 0.601 * f64::from(step_rad), "{real} {got} {expected}");
                     }
                 }
             }

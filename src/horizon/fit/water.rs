@@ -26,9 +26,10 @@ use rayon::prelude::*;
 use super::Group;
 use super::sums::Sums;
 use crate::horizon::pack::{Encoding, Field, Page, Texels};
+use crate::horizon::sweep::wide::wide;
 
 /// Counts changes of what is chosen here: part of a tile's key.
-pub const REVISION: u8 = 2;
+pub const REVISION: u8 = 3;
 
 /// Most bits of a field.
 const MAX_WIDTH: usize = 9;
@@ -79,7 +80,7 @@ pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>
             let table = allocate(&residual, &weights[page], 32 * pages[page].words, pages[page].words);
             // The finest page is the largest: written once, when the fields are final.
             if page > 0 || round + 1 == ROUNDS {
-                let (level, decoded) = quantise(&residual, &table, pages[page], page > 0);
+                let (level, decoded) = quantise(&residual, &table, pages[page], 0.0, page > 0);
                 levels.insert(0, level);
                 coarser.extend(decoded);
             }
@@ -249,20 +250,47 @@ fn quantisers(values_rad: &[f32]) -> [Choice; MAX_WIDTH + 1] {
             // An even number of codes about the mean: none of them is on it.
             let offset_rad = mean_rad + 0.5 * step_rad;
             let (per_rad, half) = (1.0 / step_rad, 0.5 * codes);
-            let error = |value: &f32| {
-                // Rounded down by way of an integer, counted from the lowest code: many times faster than by `floor`.
-                let above = ((value - mean_rad) * per_rad + half).clamp(0.0, codes - 1.0) as i32;
-                square(offset_rad + step_rad * (above as f32 - half) - value)
-            };
-            Choice { step_rad, offset_rad, error_rad2: values_rad.iter().map(error).sum::<f64>() / count }
+            let quantiser = [mean_rad, per_rad, half, codes - 1.0, offset_rad, step_rad];
+            let error_rad2 = wide(
+                #[inline(always)]
+                || square_error(values_rad, quantiser),
+            );
+            Choice { step_rad, offset_rad, error_rad2: error_rad2 / count }
         };
         let best = (0..STEPS).map(trial).min_by(|a, b| a.error_rad2.total_cmp(&b.error_rad2));
         best.expect("steps are tried")
     })
 }
 
-/// The texels of a page, and what they decode to if finer pages need it.
-pub(super) fn quantise(residual: &Residual, fields: &[Field], page: Page, decode: bool) -> (Texels, Option<Group>) {
+/// Sum of the squares of what a quantiser leaves, in so many sums side by side.
+#[inline(always)]
+fn square_error(values_rad: &[f32], [mean_rad, per_rad, half, last, offset_rad, step_rad]: [f32; 6]) -> f64 {
+    const LANES: usize = 16;
+    const NO_FRACTION: f32 = 8_388_608.0;
+    let error = |value: f32| {
+        // Rounded by adding what leaves no bits for a fraction, counted from the lowest code: vectors have no cheaper `floor`.
+        let above = ((value - mean_rad) * per_rad + (half - 0.5)).max(-0.5).min(last) + NO_FRACTION - NO_FRACTION;
+        let error = offset_rad + step_rad * (above - half) - value;
+        error * error
+    };
+    let mut sums = [0.0_f32; LANES];
+    let (whole, rest) = values_rad.as_chunks::<LANES>();
+    for values in whole {
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += error(*value);
+        }
+    }
+    sums.into_iter().chain(rest.iter().map(|value| error(*value))).map(f64::from).sum()
+}
+
+/// The texels of a page, and what they decode to if finer pages need it. Values are moved towards 0 by a share of a step at most.
+pub(super) fn quantise(
+    residual: &Residual,
+    fields: &[Field],
+    page: Page,
+    dead: f32,
+    decode: bool,
+) -> (Texels, Option<Group>) {
     let Group { rows, columns, scale, .. } = residual.means[0];
     let reals = residual.reals;
     let quantised = |row: usize| {
@@ -273,6 +301,8 @@ pub(super) fn quantise(residual: &Residual, fields: &[Field], page: Page, decode
             residual.row(row, field.real, &mut line);
             let [lowest, highest] = field.range();
             for (texel, value) in words.chunks_mut(page.words).zip(&mut line) {
+                let dead_rad = dead * field.step_rad;
+                *value -= value.clamp(-dead_rad, dead_rad);
                 let code = (((*value - field.offset_rad) / field.step_rad).round() as i32).clamp(lowest, highest);
                 field.put(texel, code);
                 *value = field.value_rad(code);

@@ -38,7 +38,7 @@ pub enum Encoding {
     W16,
     /// The same in four words: 21.25 bytes.
     W21,
-    /// A pyramid of 15 harmonics in equal steps: 42.5 bytes; its planes compress well, for small files.
+    /// A pyramid of 19 harmonics in equal steps: 42.5 bytes; its planes compress well, for small files.
     Q,
 }
 
@@ -79,7 +79,7 @@ pub struct Page {
 
 /// Highest harmonic of the water-filled pyramids, and of equal steps.
 const WATER_HARMONICS: usize = 31;
-const EQUAL_HARMONICS: usize = 15;
+const EQUAL_HARMONICS: usize = 19;
 
 impl Encoding {
     pub const ALL: [Self; 15] = [
