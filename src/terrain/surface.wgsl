@@ -17,7 +17,7 @@ struct MapFace {
     quotient: vec4f,
     // Seen part of the outermost level: west, south, east, north.
     bounds_m: vec4f,
-    // Towards its ground in camera axes; w is the least cosine with that.
+    // Towards its ground, and the bare body there, in camera axes; w is the least cosine with that.
     cone: vec4f,
     first_level: u32,
     levels: u32,
@@ -266,6 +266,11 @@ fn mip_offset(cells: vec2i, mip: i32) -> u32 {
     return offset;
 }
 
+// True distance from the camera.
+fn distance_along(face: MapFace, ray: LiftedRay, sigma: f32) -> f32 {
+    return ray.skipped_m + sigma * ray.z_m / (face.camera_m.w - sigma * ray.rate);
+}
+
 fn walk_visit(face: MapFace, ray: LiftedRay, index: u32, near: f32, far: f32) -> SurfaceHit {
     if near >= far {
         return no_hit();
@@ -281,7 +286,7 @@ fn walk_visit(face: MapFace, ray: LiftedRay, index: u32, near: f32, far: f32) ->
         return no_hit();
     }
     let fraction = clamp(start.xy + found.sigma * step.xy - vec2f(found.cell - level.base), vec2f(0.0), vec2f(1.0));
-    let distance_m = ray.skipped_m + found.sigma * ray.z_m / (face.camera_m.w - found.sigma * ray.rate);
+    let distance_m = distance_along(face, ray, found.sigma);
     return SurfaceHit(DEM, index, found.cell, fraction, distance_m);
 }
 
@@ -304,7 +309,7 @@ fn over_level(face: MapFace, ray: LiftedRay, index: u32) -> vec2f {
 
 // Gap hits at an open edge: entering or leaving the terrain below its ground.
 fn edge_gap(face: MapFace, ray: LiftedRay, sigma: f32) -> SurfaceHit {
-    let distance_m = ray.skipped_m + sigma * ray.z_m / (face.camera_m.w - sigma * ray.rate);
+    let distance_m = distance_along(face, ray, sigma);
     return SurfaceHit(GAP, 0u, vec2i(0), vec2f(0.0), distance_m);
 }
 
@@ -327,16 +332,12 @@ fn leaves_below_sphere(face: MapFace, ray: LiftedRay) -> bool {
     return ray.start.z + ray.far * ray.step.z < sphere_m;
 }
 
-// The first meeting of a ray (camera axes) with the maps' ground.
-fn hit_face(index: u32, camera_d: vec3f) -> SurfaceHit {
-    let cone = map_faces[index].cone;
-    if dot(cone.xyz, camera_d) < cone.w {
-        return no_hit();
-    }
+// The first meeting of a ray (camera axes) with a map's ground, unless it comes over the map beyond `enough_m` only.
+fn hit_face(index: u32, camera_d: vec3f, enough_m: f32) -> SurfaceHit {
     let face = map_faces[index];
     let d = map_direction(face, camera_d);
     let ray = lifted_ray(face, d);
-    if ray.near >= ray.far {
+    if ray.near >= ray.far || distance_along(face, ray, ray.near) > enough_m {
         return no_hit();
     }
     let open_edge = face.open_edge == 1u;

@@ -87,7 +87,7 @@ impl DeviceGround {
                 ("MORE_GRADIENTS", f64::from(u8::from(more_gradients))),
             ],
             levels: store.levels,
-            balls: scene.surface.terrain.faces.par_iter().map(Ball::about).collect(),
+            balls: scene.surface.terrain.faces.par_iter().map(|face| Ball::about(&scene.surface.terrain.body, face)).collect(),
         })
     }
 
