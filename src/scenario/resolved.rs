@@ -10,6 +10,7 @@ use super::sweep::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::labels::Wanted;
 use crate::photometry::Curve;
 
 pub use super::spec::{
@@ -314,7 +315,7 @@ impl Camera {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landmarks {
     pub lists: Vec<CraterList>,
-    pub smallest_px: f64,
+    pub wanted: Wanted,
     pub overlay: bool,
 }
 
