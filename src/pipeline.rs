@@ -137,13 +137,13 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: ground::file_name(path), sha256 });
     }
-    let craters = craters::of_lists(scenario, &mut ground, cache)?;
     let points = points(scenario);
     for point in &points {
         scene::reflectance(point)?;
         scene::detector(point)?;
     }
-    let (exposures, motions) = motion::exposures(&points, &almanac, &frame, &ground.surface, ground.centre)?;
+    let (exposures, motions) = globe::look::exposures(&points, &almanac, &frame, &mut ground, progress)?;
+    let craters = craters::of_lists(scenario, &mut ground, cache)?;
     sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
@@ -211,12 +211,7 @@ pub fn scene(
             Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?)
         }
     };
-    let settings = horizon::Settings {
-        azimuths: scenario.horizon.azimuths as usize,
-        search_m: scenario.horizon.search_m,
-        observer_height_m: scenario.horizon.observer_height_m,
-        ..Default::default()
-    };
+    let settings = scene::horizon_settings(scenario);
     let mut tiles = Vec::new();
     let mut maps = |settings: horizon::Settings| {
         let (folder, encoding) = (cache.join("horizon"), scenario.horizon.encoding);
@@ -225,6 +220,9 @@ pub fn scene(
             tiles.push(tile.input());
             Ok::<_, Error>(())
         };
+        if let Some(globe) = &ground.globe {
+            return globe.horizons(settings, encoding, cache, progress, listed);
+        }
         ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
     let terrain = &ground.surface.terrain;
@@ -263,6 +261,7 @@ pub fn scene(
     ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
+        view_rays: scenario.view_rays,
         shadows,
         refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,

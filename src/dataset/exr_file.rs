@@ -7,12 +7,17 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
+use exr::block::writer::ChunksWriter;
 use exr::error::Error as ExrError;
+use exr::meta::attribute::{ChannelDescription, SampleType};
+use exr::meta::header::Header;
+use exr::meta::{BlockDescription, Headers};
 use exr::prelude::*;
 use serde_json::Value as Json;
 
-use super::atomic;
 use super::error::DatasetError;
+use super::{atomic, exr_blocks};
 use crate::render;
 
 const ATTRIBUTE: &str = "perilune";
@@ -30,7 +35,6 @@ pub struct ExrFile {
 
 /// The bytes of a file with the planes of `image` and `metadata` in its header. `path` names it in errors.
 pub fn encode(path: &Path, image: &render::Image, metadata: &Json) -> std::result::Result<Vec<u8>, DatasetError> {
-    let channels = image.planes.iter().map(|plane| AnyChannel::new(plane.name, FlatSamples::F32(plane.values.clone())));
     let units: Vec<String> =
         image.planes.iter().map(|plane| format!("{} [{}]", plane.name, plane.quantity.unit())).collect();
     let mut attributes = LayerAttributes {
@@ -40,20 +44,26 @@ pub fn encode(path: &Path, image: &render::Image, metadata: &Json) -> std::resul
     };
     let json = Text::from(metadata.to_string().as_str());
     attributes.other.insert(Text::from(ATTRIBUTE), AttributeValue::Text(json));
+    // The format wants channels in the order of their names.
+    let mut planes: Vec<&render::Plane> = image.planes.iter().collect();
+    planes.sort_by_key(|plane| plane.name);
+    let channels = planes.iter().map(|plane| ChannelDescription::named(plane.name, SampleType::F32)).collect();
     // Lines rather than tiles: what every reader knows.
-    let encoding =
-        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new(
-        (image.columns, image.rows),
-        attributes,
-        encoding,
-        AnyChannels::sort(channels.collect::<SmallVec<_>>()),
-    );
+    let header = Header::new(Text::default(), (image.columns, image.rows), channels)
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(attributes);
+    let values: Vec<&[f32]> = planes.iter().map(|plane| plane.values.as_slice()).collect();
+    let blocks = exr_blocks::compressed(&values, image.columns, image.rows);
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .to_buffered(&mut bytes)
-        .map_err(|source| DatasetError::EncodeExr { path: path.to_path_buf(), source })?;
+    exr::block::write(&mut bytes, Headers::from_elem(header, 1), true, |_, writer| {
+        for (index, (first_row, compressed_pixels_le)) in blocks.into_iter().enumerate() {
+            let y_coordinate = i32::try_from(first_row)?;
+            let block = CompressedScanLineBlock { y_coordinate, compressed_pixels_le };
+            writer.write_chunk(index, Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) })?;
+        }
+        Ok(())
+    })
+    .map_err(|source| DatasetError::EncodeExr { path: path.to_path_buf(), source })?;
     Ok(bytes.into_inner())
 }
 

@@ -25,6 +25,7 @@ mod card;
 mod coco;
 mod contact_sheet;
 mod error;
+mod exr_blocks;
 mod exr_file;
 mod fits_file;
 mod format;

@@ -23,7 +23,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::geometry::{Direction, Position};
-use crate::render::{RenderError, Scene, View, reference};
+use crate::render::{Scene, View, reference};
 use crate::shadow::Shadow;
 use crate::terrain::{Face, Ground, Hit, Level, Surface};
 
@@ -242,20 +242,20 @@ pub struct Hazards {
 }
 
 impl Hazards {
-    /// `light`: whether the plane of shares is asked for; the mask needs them only where its limit says so.
+    /// `light`: whether shares of light are asked for, as a plane or by the mask ([`super::need_light`]); `shadow` decides them.
     pub fn of(
         scene: &Scene,
         view: &View,
+        shadow: Option<&dyn Shadow>,
         centres: &[Option<Hit>],
         limits: &Limits,
         light: bool,
-    ) -> Result<Self, RenderError> {
+    ) -> Self {
         let size_m = limits.footprint_m;
         let found: Vec<Option<Footprint>> =
             centres.par_iter().map(|hit| footprint(&scene.surface, hit.as_ref()?, size_m)).collect();
-        let sunlit: Vec<f32> = if light || limits.sunlit_share > 0.0 {
-            let shadow = reference::shadow(scene, view)?;
-            let field = SunField::new(scene, view, shadow.as_deref(), centres, size_m);
+        let sunlit: Vec<f32> = if light {
+            let field = SunField::new(scene, view, shadow, centres, size_m);
             let mean =
                 |hit: &Option<Hit>| hit.as_ref().and_then(|hit| field.mean(hit, size_m)).unwrap_or(f64::NAN) as f32;
             centres.par_iter().map(mean).collect()
@@ -271,11 +271,11 @@ impl Hazards {
         let plane = |value: &dyn Fn(&Footprint) -> f64| {
             found.iter().map(|found| found.as_ref().map_or(f64::NAN, value) as f32).collect()
         };
-        Ok(Self {
+        Self {
             slope_deg: plane(&|found| found.slope_rad.to_degrees()),
             roughness_m: plane(&|found| found.roughness_m),
             hazard: hazard.collect(),
             sunlit_share: sunlit,
-        })
+        }
     }
 }

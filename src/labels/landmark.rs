@@ -31,7 +31,8 @@ use serde::{Deserialize, Serialize};
 use super::rim::RIM_POINTS;
 use super::{Conic, Crater, Ellipse, Origin, Rim};
 use crate::geometry::{BodyFixed, Direction, Position};
-use crate::render::{RenderError, Scene, View, reference};
+use crate::render::{Scene, View, reference};
+use crate::shadow::Shadow;
 use crate::terrain::Hit;
 
 /// Ground this near in front of a rim's point, in diameters, is the rim itself.
@@ -84,10 +85,10 @@ pub struct Landmark {
 pub fn landmarks(
     scene: &Scene,
     view: &View,
+    shadow: Option<&dyn Shadow>,
     craters: &[(Crater, Rim)],
     smallest_px: f64,
-) -> Result<Vec<Landmark>, RenderError> {
-    let shadow = reference::shadow(scene, view)?;
+) -> Vec<Landmark> {
     let landmark = |(crater, rim): &(Crater, Rim)| {
         let (ellipse, lens_misfit_px) = project(scene, view, rim)?;
         let seen = 2.0 * ellipse.semi_axes_px[0] >= smallest_px && meets_image(scene, &ellipse);
@@ -104,7 +105,7 @@ pub fn landmarks(
             return None;
         }
         let lit = |ground: &[Hit]| {
-            let shares = ground.iter().map(|hit| reference::sun_fraction(scene, view, shadow.as_deref(), hit));
+            let shares = ground.iter().map(|hit| reference::sun_fraction(scene, view, shadow, hit));
             shares.sum::<f64>() / ground.len() as f64
         };
         let (rim_ground, floor_ground) = rim.ground.split_at(RIM_POINTS);
@@ -136,7 +137,7 @@ pub fn landmarks(
             floor_lit_share,
         })
     };
-    Ok(craters.par_iter().filter_map(landmark).collect())
+    craters.par_iter().filter_map(landmark).collect()
 }
 
 /// The rim as an ellipse of the image, and how far the lens bends it off that. `None` where a part of it is behind the camera

@@ -31,5 +31,5 @@ pub use flow::Flow;
 pub use hazard::{Footprint, Hazards, Limits, footprint, footprint_in_space};
 pub use invented::{Invented, invented, invented_height_m};
 pub use landmark::{Landmark, landmarks};
-pub use planes::{Sequence, planes};
+pub use planes::{Sequence, need_light, planes};
 pub use rim::Rim;

@@ -2,7 +2,8 @@
 
 use super::{Flow, Hazards, Limits, invented_height_m, shadow_change};
 use crate::render::planes::Radiometry;
-use crate::render::{Plane, Quantity, RenderError, Samples, Scene, View};
+use crate::render::{Plane, Quantity, Samples, Scene, View};
+use crate::shadow::Shadow;
 use crate::terrain::Hit;
 
 /// What an exposure's labels need besides itself.
@@ -12,13 +13,21 @@ pub struct Sequence<'a> {
     pub next: Option<&'a View>,
     /// What the previous exposure sampled, where the change of shadows is asked for.
     pub before: Option<&'a [Radiometry]>,
+    /// What decides which ground the Sun lights, where [`need_light`] says so.
+    pub shadow: Option<&'a dyn Shadow>,
     pub limits: &'a Limits,
     /// How many of the finest levels are made up.
     pub invented_levels: usize,
 }
 
+/// Whether any of these labels asks which ground the Sun lights.
+pub fn need_light(quantities: &[Quantity], limits: &Limits) -> bool {
+    let asked = |quantity| quantities.contains(&quantity);
+    asked(Quantity::HazardSunlit) || asked(Quantity::Hazard) && limits.sunlit_share > 0.0
+}
+
 /// The planes of `scene.quantities` that are labels. None of them costs anything unless it is asked for.
-pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Result<Vec<Plane>, RenderError> {
+pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Vec<Plane> {
     use Quantity as Q;
     let asked = |quantities: &[Q]| quantities.iter().any(|quantity| scene.quantities.contains(quantity));
     let flow =
@@ -26,7 +35,8 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
     let next = flow(asked(&[Q::Flow, Q::Covisible]), sequence.next);
     let previous = flow(asked(&[Q::FlowBack, Q::CovisibleBack]), sequence.previous);
     let hazards = if asked(&[Q::HazardSlope, Q::HazardRoughness, Q::HazardSunlit, Q::Hazard]) {
-        Hazards::of(scene, view, &samples.centres, sequence.limits, asked(&[Q::HazardSunlit]))?
+        let light = need_light(&scene.quantities, sequence.limits);
+        Hazards::of(scene, view, sequence.shadow, &samples.centres, sequence.limits, light)
     } else {
         Hazards::default()
     };
@@ -47,10 +57,10 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
         _ => unreachable!("{quantity:?} is no label"),
     };
     let labels = scene.quantities.iter().copied().filter(|quantity| quantity.is_label());
-    Ok(labels
+    labels
         .flat_map(|quantity| {
             let named = quantity.channels().iter().zip(channels(quantity));
             named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
         })
-        .collect())
+        .collect()
 }

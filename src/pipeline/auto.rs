@@ -101,6 +101,12 @@ pub fn choose(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) ->
     if scenario.terrain.is_none() {
         return Choice { shadows: Shadows::Off, why: Some("shadows: Off, there is no terrain to cast any".into()) };
     }
+    if scenario.shows_globe() {
+        return Choice {
+            shadows: Shadows::Fourier,
+            why: Some("shadows: Fourier, a globe's tiles need its horizon maps".into()),
+        };
+    }
     Facts::of(scenario, surface, exposures, max_irradiance_error).choice()
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, ground, kernels, motion, points, scene, sequence, swath};
+use super::{Error, Progress, body_frame, globe, ground, kernels, motion, points, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
@@ -43,7 +43,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
     match loaded {
-        Ok((frame, almanac)) => problems.extend(poses(scenario, &almanac, &frame, ground)),
+        Ok((frame, almanac)) => problems.extend(poses(scenario, &almanac, &frame, ground, progress)),
         Err(error) => problems.push(error),
     }
     checked
@@ -80,10 +80,22 @@ fn surface(
 }
 
 /// What stands against the exposures' poses; over the bare body where there is no ground to hold them against.
-fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Option<ground::Ground>) -> Vec<Error> {
+fn poses(
+    scenario: &Scenario,
+    almanac: &Almanac,
+    frame: &BodyFrame,
+    ground: Option<ground::Ground>,
+    progress: &dyn Progress,
+) -> Vec<Error> {
     let over_terrain = ground.is_some();
+    let mut looked = None;
     let (surface, centre) = match ground {
-        Some(ground) => (ground.surface, ground.centre),
+        Some(mut ground) => {
+            if ground.globe.is_some() {
+                looked = globe::look::exposures(&points(scenario), almanac, frame, &mut ground, progress).err();
+            }
+            (ground.surface, ground.centre)
+        }
         None => bare(&frame.body, scenario),
     };
     let outcomes = match motion::outcomes(&points(scenario), almanac, frame, &surface, centre) {
@@ -98,7 +110,9 @@ fn poses(scenario: &Scenario, almanac: &Almanac, frame: &BodyFrame, ground: Opti
         _ => None,
     };
     let moves = sequence::check(scenario, &exposures).err();
-    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).collect()
+    // It fails over what fails already.
+    let looked = looked.filter(|_| failed.is_empty());
+    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).chain(looked).collect()
 }
 
 fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {

@@ -40,7 +40,7 @@ fn of_terrain(scenario: &Scenario, cache: &Path) -> Result<Vec<Vec<Crater>>, Err
         let origin = match dem {
             Dem::Synthetic { .. } => Origin::Synthetic,
             Dem::Detail { .. } => Origin::Invented,
-            Dem::File { .. } | Dem::Cube { .. } => continue,
+            Dem::File { .. } | Dem::Cube { .. } | Dem::Globe(_) => continue,
         };
         lists.push(catalogue::read(&path.with_extension("craters.csv"), &format!("terrain{index}/"), origin)?);
     }

@@ -43,6 +43,13 @@ pub enum Error {
     OtherGlobe { path: PathBuf, difference: String },
     #[error("{path} is not the index of a globe")]
     Index { path: PathBuf, source: serde_json::Error },
+    #[error("terrain: no {path}; tiles must be a folder that sim horizon globe has made")]
+    NoIndex { path: PathBuf },
+    #[error(
+        "terrain: {path} lists tiles that the scenario cannot use: {difference}; change the scenario's terrain or horizon, \
+         or leave tiles out"
+    )]
+    TilesOfAnother { path: PathBuf, difference: String },
     #[error("--tiles names no tile: there are faces 0 to 5 and levels 0 to {}", levels - 1)]
     NoTiles { levels: usize },
     #[error(

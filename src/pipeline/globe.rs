@@ -17,7 +17,10 @@
 
 pub mod check;
 pub mod index;
+pub mod look;
 pub mod selection;
+pub mod shown;
+pub mod sight;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,6 +28,7 @@ use std::path::{Path, PathBuf};
 pub use check::Checks;
 pub use index::{Index, Plan};
 pub use selection::Selection;
+pub use shown::Shown;
 
 use super::{Error, Progress};
 use crate::geometry::Body;
@@ -79,10 +83,15 @@ impl Globe {
         progress.begin("reading the model", 1, "file");
         let dem = GlobalDem::open(&options.dem, body, options.values)?;
         let tree = QuadTree::new(body, options.cells, options.posting_m.unwrap_or(dem.posting_m));
-        let plan = Plan::new(&tree, &dem, raster::digest(&options.dem)?, options);
-        let globe = Self { tree, dem, plan, directory: options.directory.clone(), memory: options.memory };
-        globe.claim()?;
-        Ok(globe)
+        let digest = raster::digest(&options.dem)?;
+        let plan = Plan::new(&tree, &dem, digest, options.margin, options.settings, options.encoding);
+        Self { tree, dem, plan, directory: options.directory.clone(), memory: options.memory }.claimed()
+    }
+
+    /// Itself, once it has its folder.
+    fn claimed(self) -> Result<Self, Error> {
+        self.claim()?;
+        Ok(self)
     }
 
     /// Refuses a folder that holds the tiles of another plan.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use super::globe::Shown;
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
@@ -29,6 +30,8 @@ pub struct Ground {
     pub inputs: Vec<Input>,
     /// One line a level.
     pub resampling: Vec<String>,
+    /// Where the terrain is a globe, of which the surface shows a part.
+    pub globe: Option<Box<Shown>>,
 }
 
 /// Opens (or makes) the DEMs and lifts them onto levels.
@@ -41,8 +44,11 @@ pub fn surface(
     let Some(terrain) = terrain else {
         let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
-        return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new() });
+        return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new(), globe: None });
     };
+    if let [scenario::Dem::Globe(written)] = &terrain.dems[..] {
+        return globe(written, terrain.centre, body, progress);
+    }
     let paths = paths(body, &terrain.dems, cache);
     make_synthetic(body, &terrain.dems, &paths, progress)?;
     let centre = centre(terrain, &paths)?;
@@ -60,7 +66,31 @@ pub fn surface(
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
-    Ok(Ground { surface: Surface::new(Terrain { body: body.clone(), faces }), centre, inputs, resampling })
+    let surface = Surface::new(Terrain { body: body.clone(), faces });
+    Ok(Ground { surface, centre, inputs, resampling, globe: None })
+}
+
+/// A globe at its coarsest: what the cameras see of it is known once they have their places.
+fn globe(
+    written: &scenario::Globe,
+    centre: Option<Geodetic>,
+    body: &Body,
+    progress: &dyn Progress,
+) -> Result<Ground, Error> {
+    progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
+    let shown = Shown::open(body, written, values(written.values))?;
+    let name = file_name(&written.path);
+    let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
+    let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
+    Ok(Ground { surface: shown.surface()?, centre, inputs, resampling: Vec::new(), globe: Some(Box::new(shown)) })
+}
+
+fn values(written: scenario::Values) -> raster::Values {
+    match written {
+        scenario::Values::Auto => raster::Values::Auto,
+        scenario::Values::Height => raster::Values::Height,
+        scenario::Values::Radius => raster::Values::Radius,
+    }
 }
 
 fn faces(
@@ -79,9 +109,7 @@ fn faces(
         .zip(dems)
         .map(|(written, dem)| match *written {
             scenario::Dem::File { posting_m, extent_m, .. } => NestedDem { dem, posting_m, extent_m },
-            scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } | scenario::Dem::Cube { .. } => {
-                NestedDem::whole(dem)
-            }
+            _ => NestedDem::whole(dem),
         })
         .collect();
     let (face, errors) = build_face(body, centre, &nested, MAX_NODES_PER_SIDE)?;
@@ -98,6 +126,7 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
     let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
     let mut path = |dem: &scenario::Dem| match dem {
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
+        scenario::Dem::Globe(globe) => globe.path.clone(),
         // What it continues is a file that may change.
         scenario::Dem::Detail { .. } => {
             let measured = dems.get(1).and_then(|dem| match dem {
@@ -142,14 +171,11 @@ pub fn open(
     let (values, posting_m, extent_m) = match *written {
         scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
         scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
+        scenario::Dem::Globe(scenario::Globe { values, posting_m, .. }) => (values, posting_m, None),
         scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (scenario::Values::Height, None, None),
     };
     progress.begin(&format!("reading {}", file_name(path)), 1, "file");
-    let values = match values {
-        scenario::Values::Auto => raster::Values::Auto,
-        scenario::Values::Height => raster::Values::Height,
-        scenario::Values::Radius => raster::Values::Radius,
-    };
+    let values = self::values(values);
     // The map may be turned: the square's corners can lie in any direction.
     let around =
         centre.zip(extent_m).map(|(centre, extent_m)| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });

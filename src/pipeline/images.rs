@@ -19,7 +19,7 @@ use super::{Error, Prepared, Progress, ortho, record, scene, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
 use crate::render::planes::Radiometry;
-use crate::render::{Imaging, Renderer, Scene};
+use crate::render::{Imaging, RenderError, Renderer, Scene, reference};
 
 /// Exposures whose samples wait for their planes.
 const QUEUE: usize = 1;
@@ -124,13 +124,18 @@ fn exposure(
     let view = &exposures[index].view;
     let point = &points[exposures[index].point];
     let mut image = shot.image(scene);
+    let shadow = match shot::needs_light(point, scene) {
+        true => reference::shadow(scene, view, &shot.skylines).map_err(RenderError::from)?,
+        false => None,
+    };
+    let shadow = shadow.as_deref();
     if let Some(samples) = shot.taken.samples() {
-        image.planes.extend(sequence::planes(point, scene, exposures, index, samples, before.as_deref())?);
+        image.planes.extend(sequence::planes(point, scene, exposures, index, samples, before.as_deref(), shadow));
     }
     let facts = record::facts(prepared, scene, run, index, &image, &shot);
     let on_map = point.outputs.formats.contains(&Format::GeoTiff);
     let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
     let wanted = point.landmarks.as_ref();
-    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, craters, wanted.smallest_px)).transpose()?;
+    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, shadow, craters, wanted.smallest_px));
     Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage })
 }

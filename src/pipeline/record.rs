@@ -9,7 +9,7 @@ use crate::dataset::{
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
-use crate::render::{Image, Quantity, Scene};
+use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
@@ -42,11 +42,17 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
         "samples_per_pixel": scenario.camera.samples_per_pixel,
         "resampling": prepared.ground.resampling,
     });
+    if let Some(globe) = &prepared.ground.globe {
+        settings["globe"] = globe.record();
+    }
     if let Some(bounce) = scenario.bounce {
         settings["bounce"] = serde_json::json!(bounce);
     }
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if scenario.view_rays != ViewRays::Exact {
+        settings["view_rays"] = serde_json::json!(scenario.view_rays);
     }
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });

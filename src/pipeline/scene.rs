@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Psf};
-use crate::horizon::HorizonMap;
+use crate::horizon::{self, HorizonMap};
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
 use crate::raster::Picture;
 use crate::render::{self, AlbedoRole, Imaging, Timing};
@@ -46,6 +46,16 @@ pub fn optics(scenario: &Scenario) -> Result<Optics, Error> {
 pub fn timing(scenario: &Scenario) -> Timing {
     let camera = &scenario.camera;
     Timing { rows: camera.rows, shutter: camera.shutter, moments: camera.moments as usize }
+}
+
+/// Of the horizons that a scenario asks for.
+pub fn horizon_settings(scenario: &Scenario) -> horizon::Settings {
+    horizon::Settings {
+        azimuths: scenario.horizon.azimuths as usize,
+        search_m: scenario.horizon.search_m,
+        observer_height_m: scenario.horizon.observer_height_m,
+        ..Default::default()
+    }
 }
 
 /// What the camera does beyond a pinhole that stands still.

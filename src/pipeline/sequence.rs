@@ -3,8 +3,9 @@
 use super::{Error, Exposure};
 use crate::labels::{self, Sequence, moved};
 use crate::render::planes::Radiometry;
-use crate::render::{Plane, Quantity, RenderError, Renderer, Samples, Scene, View};
+use crate::render::{Plane, Quantity, Renderer, Samples, Scene, View};
 use crate::scenario::{Dem, Scenario};
+use crate::shadow::Shadow;
 
 /// Refuses the change of shadows for a camera that moves.
 pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
@@ -78,9 +79,10 @@ pub fn planes(
     index: usize,
     samples: &Samples,
     before: Option<&[Radiometry]>,
-) -> Result<Vec<Plane>, RenderError> {
+    shadow: Option<&dyn Shadow>,
+) -> Vec<Plane> {
     let (previous, next) = (previous(exposures, index), beside(exposures, index, index + 1));
-    let sequence =
-        Sequence { previous, next, before, limits: &scenario.hazards, invented_levels: invented_levels(scenario) };
+    let (limits, invented_levels) = (&scenario.hazards, invented_levels(scenario));
+    let sequence = Sequence { previous, next, before, shadow, limits, invented_levels };
     labels::planes(scene, &exposures[index].view, samples, &sequence)
 }

@@ -2,8 +2,10 @@
 
 use super::{Error, Exposure, Prepared};
 use crate::camera::{Detector, Pose};
+use crate::labels;
 use crate::render::{Image, Imaging, Renderer, Scene, Taken, Timing};
-use crate::scenario::AutoExposure;
+use crate::scenario::{AutoExposure, Scenario};
+use crate::shadow::Skylines;
 
 /// An image's light, and how it came about.
 #[derive(Debug)]
@@ -19,6 +21,8 @@ pub struct Shot {
     pub psf_cut_off: f64,
     /// With the exposure.
     pub detector: Option<Detector>,
+    /// That the image was rendered with, where labels ask about light and they are found in advance.
+    pub skylines: Skylines,
 }
 
 impl Shot {
@@ -67,7 +71,13 @@ pub fn take(
     let (first_rows, bands) = bands(&timing, &poses).into_iter().unzip();
     let psf_cut_off = imaging.psf.as_ref().map_or(0.0, |psf| psf.cut_off);
     let detector = detector.map(|detector| Detector { exposure_s, ..detector });
-    Ok(Shot { taken, exposure_s, bands, first_rows, psf_cut_off, detector })
+    let skylines = if needs_light(scenario, scene) { renderer.skylines(scene)? } else { Skylines::default() };
+    Ok(Shot { taken, exposure_s, bands, first_rows, psf_cut_off, detector, skylines })
+}
+
+/// Whether labels of a scenario's exposures ask which ground the Sun lights.
+pub fn needs_light(scenario: &Scenario, scene: &Scene) -> bool {
+    scenario.landmarks.is_some() || labels::need_light(&scene.quantities, &scenario.hazards)
 }
 
 /// First rows, times and poses in the middle of the bands' exposures; none where there is but one band.

@@ -24,6 +24,17 @@ pub struct ViewParameters {
 }
 
 #[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RayWindow {
+    pub low: [f32; 2],
+    pub scale: [f32; 2],
+    pub columns: u32,
+    pub rows: u32,
+    pub pitch: u32,
+    pub near_m: f32,
+}
+
+#[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct MapFace {
     pub from_camera_x: [f32; 4],
@@ -32,6 +43,7 @@ pub struct MapFace {
     pub camera_m: [f32; 4],
     pub quotient: [f32; 4],
     pub bounds_m: [f32; 4],
+    pub cone: [f32; 4],
     pub first_level: u32,
     pub levels: u32,
     pub direct: u32,
@@ -142,7 +154,7 @@ impl ViewParameters {
 const DIRECT_ABOVE_RADII: f64 = 0.1;
 
 impl MapFace {
-    pub fn new(view: &View, face: &Face, first_level: usize, open_edge: bool) -> Self {
+    pub fn new(view: &View, face: &Face, ball: &Ball, first_level: usize, open_edge: bool) -> Self {
         let map = &face.map;
         let [x, y, z] = rows((map.map_from_body * view.camera_from_body.inverse()).matrix());
         let camera_m = map.map_vector(view.camera_position);
@@ -156,6 +168,8 @@ impl MapFace {
             camera_m: with_w(camera_m, map.radius_m),
             quotient: start.map_or([0.0; 4], |lifted| with_w(quotient, lifted.z)),
             bounds_m: [low.x as f32, low.y as f32, high.x as f32, high.y as f32],
+            // Below an open edge the unknown is met outside the ball.
+            cone: if open_edge { ALL_DIRECTIONS } else { ball.cone(view) },
             first_level: first_level as u32,
             levels: face.levels.len() as u32,
             direct: u32::from(start.is_some()),
@@ -167,6 +181,48 @@ impl MapFace {
     pub fn direct_start(map: &Gnomonic, camera: Position<BodyFixed>) -> Option<DVec3> {
         let high = map.map_vector(camera).z > DIRECT_ABOVE_RADII * map.radius_m;
         map.lifted_from_body(camera).filter(|_| high)
+    }
+}
+
+/// A ball that holds a map's ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    middle: Position<BodyFixed>,
+    radius_m: f64,
+}
+
+/// Directions are `f32`.
+const CONE_SLACK_RAD: f64 = 1e-3;
+
+const ALL_DIRECTIONS: [f32; 4] = [0.0, 0.0, 0.0, -1.0];
+
+impl Ball {
+    /// Around what is seen of a face: a box of lifted space is the hull of its corners in space too.
+    pub fn about(face: &Face) -> Self {
+        let heights_m = face.levels.iter().flat_map(|level| &level.heights_m).map(|height_m| f64::from(*height_m));
+        let (lowest_m, highest_m) =
+            heights_m.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+        let (low, high) = face.levels.last().map_or((DVec2::ZERO, DVec2::ZERO), Level::seen_m);
+        let corner = |i: usize| {
+            let pick = |bit: usize, low: f64, high: f64| if i & bit == 0 { low } else { high };
+            let lifted = DVec3::new(pick(1, low.x, high.x), pick(2, low.y, high.y), pick(4, lowest_m, highest_m));
+            face.map.body_from_lifted(lifted).vector_m()
+        };
+        let corners: [DVec3; 8] = std::array::from_fn(corner);
+        let middle_m = corners.iter().sum::<DVec3>() / 8.0;
+        let radius_m = corners.iter().map(|corner| corner.distance(middle_m)).fold(0.0, f64::max);
+        Self { middle: Position::from_m(middle_m), radius_m }
+    }
+
+    /// Directions towards it in camera axes: the middle one, and the least cosine with it.
+    fn cone(&self, view: &View) -> [f32; 4] {
+        let towards_m = view.camera_from_body.turn(self.middle.vector_m() - view.camera_position.vector_m());
+        let distance_m = towards_m.length();
+        if !(distance_m > self.radius_m) {
+            return ALL_DIRECTIONS;
+        }
+        let half_rad = (self.radius_m / distance_m).asin() + CONE_SLACK_RAD;
+        with_w(towards_m / distance_m, half_rad.cos())
     }
 }
 

@@ -21,13 +21,13 @@ pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View, ViewRays};
 
 use std::time::Duration;
 
 use crate::gpu::GpuError;
 use crate::horizon::Encoding;
-use crate::shadow::OutsideSwath;
+use crate::shadow::{OutsideSwath, Skylines};
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
@@ -43,7 +43,13 @@ pub trait Renderer {
         self.follow(scene, &scene.rays(), view)
     }
 
-    /// What the device spent on the last view, where it can tell.
+    /// The skylines that the last view was rendered with, for whoever asks about its light again; none where this renderer keeps
+    /// none.
+    fn skylines(&mut self, _scene: &Scene) -> Result<Skylines, RenderError> {
+        Ok(Skylines::default())
+    }
+
+    /// What the device spent on the last view in compute passes, where it can tell.
     fn device_time(&self) -> Option<Duration> {
         None
     }

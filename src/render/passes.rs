@@ -9,6 +9,7 @@
 
 mod rays;
 mod skylines;
+mod starts;
 mod upload;
 
 use std::time::Duration;
@@ -17,26 +18,31 @@ use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
 pub use skylines::SHADER as BAKE_SHADER;
+pub use starts::SHADER as MESH_SHADER;
 pub use upload::DeviceGround;
 
 use rays::Band;
 use skylines::DeviceSkylines;
+use starts::{DeviceMesh, Starts};
 use upload::PackedLevel;
 
-use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
+use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, reference, refine};
+use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, ViewRays, reference, refine};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
-use crate::shadow::{At, Lighting};
+use crate::shadow::{At, Lighting, OutsideSwath, Skylines};
 use crate::terrain::{Face, Ground, Hit};
 
 /// The pass, as one text: declarations may come in any order.
 pub const SHADER: &str = concat!(
     include_str!("passes.wgsl"),
     include_str!("texels.wgsl"),
+    include_str!("ray_window.wgsl"),
+    include_str!("starts.wgsl"),
+    include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
     include_str!("../shadow/mipmaps.wgsl"),
     include_str!("../shadow/visibility.wgsl"),
@@ -63,6 +69,8 @@ struct Prepared {
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
+    /// Where rays start that are not cast exactly from the camera.
+    mesh: Option<DeviceMesh>,
 }
 
 /// The pass for a number of rays a pixel, with their centre or without.
@@ -79,6 +87,7 @@ struct Table {
     rays: Rays,
     program: usize,
     bands: Vec<Band>,
+    window: RayWindow,
 }
 
 /// What the device made of a view.
@@ -105,6 +114,14 @@ impl Renderer for Passes<'_> {
         self.device_time
     }
 
+    fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
+        let kept = self.prepared.as_mut().and_then(|prepared| prepared.skylines.as_mut());
+        match kept.filter(|_| scene.shadows.towards().is_some()) {
+            Some(kept) => kept.on_host(self.gpu, scene),
+            None => Ok(Skylines::default()),
+        }
+    }
+
     fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
         if self.prepared.is_none() {
             self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
@@ -112,7 +129,7 @@ impl Renderer for Passes<'_> {
         let prepared = self.prepared.as_mut().expect("prepared above");
         // Bounced light is found on the host, from the same shadows as the reference renderer's.
         let shadow = match scene.bounce {
-            Some(_) => reference::shadow(scene, view)?,
+            Some(_) => reference::shadow(scene, view, &prepared.found_on_host(scene, view)?)?,
             None => None,
         };
         let diffuse = Diffuse::of(scene, view, shadow.as_deref());
@@ -163,6 +180,11 @@ impl Prepared {
             }
         };
         constants.push(("SKYLINES", f64::from(source)));
+        let mesh = match scene.view_rays {
+            ViewRays::Exact => None,
+            ViewRays::Hybrid { mesh_cells, .. } => Some(DeviceMesh::new(gpu, scene, mesh_cells as usize)?),
+        };
+        constants.push(("STEPS", f64::from(scene.view_rays.steps())));
         constants.extend(ground.encoding.constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
         Ok(Self {
@@ -173,7 +195,16 @@ impl Prepared {
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
+            mesh,
         })
+    }
+
+    /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
+    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, OutsideSwath> {
+        match &mut self.skylines {
+            Some(skylines) => skylines.found_on_host(scene, &view.held_lights()),
+            None => Ok(Skylines::default()),
+        }
     }
 
     /// Where the table of some rays is; it is made once.
@@ -206,8 +237,8 @@ impl Prepared {
                 self.programs.len() - 1
             }
         };
-        let bands = Band::all(gpu, &rays.optics, &points);
-        self.tables.push(Table { rays: rays.clone(), program, bands });
+        let (bands, window) = Band::all(gpu, &rays.optics, &points);
+        self.tables.push(Table { rays: rays.clone(), program, bands, window });
         Ok(self.tables.len() - 1)
     }
 
@@ -240,8 +271,12 @@ impl Prepared {
         let lights = gpu.storage("lights", &lights);
         // A sweep varies the albedo between views.
         let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let table = &self.tables[table];
+        let starts = match &self.mesh {
+            Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
+            None => Starts::at_the_camera(gpu),
+        };
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let pipeline = &self.programs[table.program].pipeline;
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
@@ -267,6 +302,8 @@ impl Prepared {
                 &centres_out,
                 &self.ground.gradients[1],
                 bounced.as_ref().unwrap_or(&self.ground.skies),
+                &starts.window,
+                &starts.depths,
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.
@@ -283,7 +320,7 @@ impl Prepared {
 
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
         let first_level = self.ground.levels.iter().position(|level| level.face == index).unwrap_or(0);
-        MapFace::new(view, face, first_level, scene.surface.terrain.faces.len() == 1)
+        MapFace::new(view, face, &self.ground.balls[index], first_level, scene.surface.terrain.faces.len() == 1)
     }
 
     /// The centres' hits in f64: the device says where on which cell, the host computes the point.

@@ -3,13 +3,18 @@
 //! Radiometric planes are means over a pixel's samples. Geometric planes belong to the ray through the
 //! pixel's centre and are computed here in f64, for every renderer alike.
 
-use glam::{DVec2, DVec3};
+mod seen;
+
+use std::cell::OnceCell;
+
+use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Image, Plane, Quantity, Scene, View, refine};
+use super::{Image, Plane, Quantity, Scene, View};
 use crate::camera::{Camera as Optics, Detector};
 use crate::geometry::{BodyFixed, Direction, Position};
 use crate::terrain::{Ground, Hit};
+use seen::{Found, Seen};
 
 /// What a renderer gives, pixel by pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,12 +106,19 @@ pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
 pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> Image {
     let rows = parts.iter().map(|part| part.optics.rows as usize).sum();
     let columns = parts.first().map_or(0, |part| part.optics.columns as usize);
-    let planes = scene.quantities.iter().filter(|quantity| !quantity.is_label()).flat_map(|&quantity| {
+    let wanted: Vec<Quantity> = scene.quantities.iter().copied().filter(|quantity| !quantity.is_label()).collect();
+    let geometric: Vec<Quantity> = wanted.iter().copied().filter(|quantity| quantity.is_geometric()).collect();
+    let mut geometry = joined(parts.iter().map(|part| part.geometric_channels(scene, &geometric))).into_iter();
+    let light = OnceCell::new();
+    let light = || light.get_or_init(|| focal_plane_irradiance(scene, parts)).as_slice();
+    let planes = wanted.iter().flat_map(|&quantity| {
         let channels = match quantity {
+            _ if quantity.is_geometric() => geometry.by_ref().take(quantity.channels().len()).collect(),
             Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber => {
-                vec![digital_numbers(scene, detector, parts, quantity, columns)]
+                vec![digital_numbers(detector, parts, quantity, light, columns)]
             }
-            _ => joined(parts.iter().map(|part| part.channels(scene, quantity))),
+            Quantity::FocalPlaneIrradiance => vec![light().to_vec()],
+            _ => vec![parts.iter().flat_map(|part| part.radiometric(scene, quantity)).collect()],
         };
         let named = quantity.channels().iter().zip(channels);
         named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
@@ -124,32 +136,43 @@ fn joined(mut parts: impl Iterator<Item = Vec<Vec<f32>>>) -> Vec<Vec<f32>> {
 }
 
 impl Part<'_> {
-    fn channels(&self, scene: &Scene, quantity: Quantity) -> Vec<Vec<f32>> {
-        if quantity.is_geometric() {
-            self.geometric_channels(scene, quantity)
-        } else {
-            vec![self.radiometric(scene, quantity)]
-        }
-    }
-
     fn radiometric(&self, scene: &Scene, quantity: Quantity) -> Vec<f32> {
-        self.by_pixel(|index, pixel| {
-            radiometric(scene, self.optics, self.view, quantity, pixel, &self.samples.pixels[index])
-        })
+        let columns = self.optics.columns as usize;
+        let value = |(index, mean): (usize, &Radiometry)| {
+            let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
+            radiometric(scene, self.optics, self.view, quantity, pixel, mean)
+        };
+        self.samples.pixels.par_iter().enumerate().map(value).collect()
     }
 
-    fn geometric_channels(&self, scene: &Scene, quantity: Quantity) -> Vec<Vec<f32>> {
-        let values = self.by_pixel(|index, pixel| {
-            geometric(scene, self.optics, self.view, quantity, pixel, self.samples.centres[index].as_ref())
-        });
-        (0..quantity.channels().len()).map(|channel| values.iter().map(|value| value[channel]).collect()).collect()
-    }
-
-    /// One value a pixel, from its index and its image coordinates.
-    fn by_pixel<T: Send>(&self, value: impl Fn(usize, DVec2) -> T + Sync) -> Vec<T> {
-        let (columns, rows) = (self.optics.columns as usize, self.optics.rows as usize);
-        let at = |index: usize| value(index, DVec2::new((index % columns) as f64, (index / columns) as f64));
-        (0..columns * rows).into_par_iter().map(at).collect()
+    /// The channels of all these quantities, one after the other.
+    fn geometric_channels(&self, scene: &Scene, quantities: &[Quantity]) -> Vec<Vec<f32>> {
+        if quantities.is_empty() {
+            return Vec::new();
+        }
+        let columns = self.optics.columns as usize;
+        let channels: usize = quantities.iter().map(|quantity| quantity.channels().len()).sum();
+        // A row of all channels at a time: what planes share is found once a pixel.
+        let row = |(row, centres): (usize, &[Option<Hit>])| {
+            let mut values = vec![0.0; channels * columns];
+            for (column, hit) in centres.iter().enumerate() {
+                let (Self { optics, view, .. }, hit) = (*self, hit.as_ref());
+                let pixel = DVec2::new(column as f64, row as f64);
+                let seen = Seen { scene, optics, view, pixel, hit, found: Found::default() };
+                let pixel_values = quantities.iter().flat_map(|quantity| {
+                    let values = seen.values(*quantity);
+                    values.into_iter().take(quantity.channels().len())
+                });
+                values[column..].iter_mut().step_by(columns).zip(pixel_values).for_each(|(to, value)| *to = value);
+            }
+            values
+        };
+        let rows: Vec<Vec<f32>> = self.samples.centres.par_chunks(columns).enumerate().map(row).collect();
+        let channel = |channel: usize| {
+            let lines: Vec<&[f32]> = rows.iter().map(|row| &row[channel * columns..][..columns]).collect();
+            lines.concat()
+        };
+        (0..channels).into_par_iter().map(channel).collect()
     }
 }
 
@@ -159,18 +182,17 @@ pub fn focal_plane_irradiance(scene: &Scene, parts: &[Part]) -> Vec<f32> {
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where there is no detector.
-fn digital_numbers(
-    scene: &Scene,
+fn digital_numbers<'a>(
     detector: Option<&Detector>,
     parts: &[Part],
     quantity: Quantity,
+    light: impl Fn() -> &'a [f32],
     columns: usize,
 ) -> Vec<f32> {
     let Some((detector, part)) = detector.zip(parts.first()) else { return Vec::new() };
-    let light = focal_plane_irradiance(scene, parts);
     let numbers = match quantity {
-        Quantity::DigitalNumber => detector.expose(&light, columns, part.view.exposure),
-        _ => detector.expose_without_noise(&light, columns),
+        Quantity::DigitalNumber => detector.expose(light(), columns, part.view.exposure),
+        _ => detector.expose_without_noise(light(), columns),
     };
     numbers.into_iter().map(f32::from).collect()
 }
@@ -205,94 +227,11 @@ fn radiometric(
     }
 }
 
-fn geometric(
-    scene: &Scene,
-    optics: &Optics,
-    view: &View,
-    quantity: Quantity,
-    pixel: DVec2,
-    hit: Option<&Hit>,
-) -> [f32; 3] {
-    let single = |value: f64| [value as f32, 0.0, 0.0];
-    let is_gap = hit.is_some_and(|hit| hit.ground == Ground::Gap);
-    if quantity == Quantity::DemGap {
-        return single(f64::from(u8::from(is_gap)));
-    }
-    let Some(hit) = hit.filter(|_| !is_gap) else { return [f32::NAN; 3] };
-    let body = &scene.surface.terrain.body;
-    let to_camera = hit.position.direction_to(view.camera_position);
-    let to_sun = view.lights.first().and_then(|sun| hit.position.direction_to(sun.position));
-    let normal = normal(scene, hit);
-    let angle = |a: Option<Direction<BodyFixed>>, b: Option<Direction<BodyFixed>>| {
-        single(a.zip(b).map_or(f64::NAN, |(a, b)| a.angle_to(b).to_degrees()))
-    };
-    match quantity {
-        Quantity::SunFractionSigma => single(refine::sun_fraction_sigma(scene, view, hit)),
-        Quantity::Range => single(hit.distance_m),
-        Quantity::Depth => {
-            let boresight = view.camera_from_body.inverse().turn(DVec3::Z);
-            single((hit.position.vector_m() - view.camera_position.vector_m()).dot(boresight))
-        }
-        Quantity::Normal => normal.unit().as_vec3().to_array(),
-        Quantity::Latitude => single(body.geodetic_from_position(hit.position).latitude_rad.to_degrees()),
-        Quantity::Longitude => {
-            single(body.geodetic_from_position(hit.position).longitude_east_rad.to_degrees().rem_euclid(360.0))
-        }
-        Quantity::Height => single(body.geodetic_from_position(hit.position).height_m),
-        Quantity::Incidence => angle(Some(normal), to_sun),
-        Quantity::Emission => angle(Some(normal), to_camera),
-        Quantity::Phase => angle(to_sun, to_camera),
-        Quantity::EllipsoidIncidence => angle(Some(bare_normal(scene, hit.position)), to_sun),
-        Quantity::EllipsoidEmission => angle(Some(bare_normal(scene, hit.position)), to_camera),
-        Quantity::Slope => angle(Some(bare_normal(scene, hit.position)), Some(normal)),
-        Quantity::Aspect => single(azimuth_deg(local_m(scene, hit, normal.unit()))),
-        Quantity::SubsolarGroundAzimuth => {
-            single(to_sun.map_or(f64::NAN, |to_sun| azimuth_deg(local_m(scene, hit, to_sun.unit()))))
-        }
-        Quantity::NorthAzimuth => single(image_azimuth_deg(scene, optics, view, hit, DVec3::Y)),
-        Quantity::SunAzimuth => single(to_sun.map_or(f64::NAN, |to_sun| {
-            let local = local_m(scene, hit, to_sun.unit());
-            image_azimuth_deg(scene, optics, view, hit, local.with_z(0.0))
-        })),
-        Quantity::GroundSampleDistance => single(hit.distance_m * pixel_angle_rad(optics, pixel)),
-        _ => unreachable!("{quantity:?} is radiometric"),
-    }
-}
-
 /// The angle between a pixel's ray and the next column's.
 pub fn pixel_angle_rad(optics: &Optics, pixel: DVec2) -> f64 {
     let here = optics.direction(pixel);
     let next = optics.direction(pixel + DVec2::X);
     here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
-}
-
-/// East, north and up components at a hit.
-fn local_m(scene: &Scene, hit: &Hit, vector_m: DVec3) -> DVec3 {
-    let body = &scene.surface.terrain.body;
-    body.local_from_body(body.geodetic_from_position(hit.position)).turn(vector_m)
-}
-
-/// Azimuth of a local vector, clockwise from north, 0 to 360.
-fn azimuth_deg(local: DVec3) -> f64 {
-    local.x.atan2(local.y).to_degrees().rem_euclid(360.0)
-}
-
-/// Way along the ground over which a direction in the image is taken, per distance of the camera: less than a pixel, more than
-/// rounding.
-const AZIMUTH_STEP: f64 = 1e-4;
-
-/// How a horizontal local direction looks in the image, from right towards down, 0 to 360.
-fn image_azimuth_deg(scene: &Scene, optics: &Optics, view: &View, hit: &Hit, local: DVec3) -> f64 {
-    let body = &scene.surface.terrain.body;
-    let along =
-        body.local_from_body(body.geodetic_from_position(hit.position)).inverse().turn(local.normalize_or_zero());
-    let pixel = |sign: f64| {
-        let point_m = hit.position.vector_m() + sign * AZIMUTH_STEP * hit.distance_m * along;
-        let direction = Direction::new(view.camera_from_body.turn(point_m - view.camera_position.vector_m()))?;
-        optics.pixel(direction)
-    };
-    let step = pixel(1.0).zip(pixel(-1.0)).map_or(DVec2::NAN, |(ahead, behind)| ahead - behind);
-    step.y.atan2(step.x).to_degrees().rem_euclid(360.0)
 }
 
 /// The outward normal of the ground at a hit, interpolated between the nodes' central differences.

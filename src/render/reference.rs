@@ -35,7 +35,7 @@ impl Renderer for Reference {
     }
 
     fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
-        let shadow = shadow(scene, view)?;
+        let shadow = shadow(scene, view, &Skylines::default())?;
         let diffuse = Diffuse::of(scene, view, shadow.as_deref());
         let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
         let offsets = rays.offsets();
@@ -61,14 +61,18 @@ pub struct Lighting<'a> {
     pub diffuse: Option<&'a Diffuse<'a>>,
 }
 
-/// The scene's method of shadows, with whatever it finds in advance for a view's lights.
-pub fn shadow<'a>(scene: &'a Scene, view: &View) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
+/// The scene's method of shadows, with whatever it finds in advance for a view's lights and `known` does not hold already.
+pub fn shadow<'a>(
+    scene: &'a Scene,
+    view: &View,
+    known: &Skylines,
+) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
     let surface = &scene.surface;
     if let Some(settled) = Settled::of(scene) {
         return Ok(Some(Box::new(settled)));
     }
     if let Some(method) = scene.shadows.towards() {
-        let skylines = Skylines::default().towards(surface, method, &view.held_lights())?;
+        let skylines = known.towards(surface, method, &view.held_lights())?;
         return Ok(Some(Box::new(Fetched { surface, skylines })));
     }
     Ok(match &scene.shadows {

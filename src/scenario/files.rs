@@ -16,7 +16,7 @@ pub struct Places {
 /// What became of a file name.
 pub(super) enum Found {
     File(PathBuf),
-    Directory,
+    Directory(PathBuf),
     Nowhere(Vec<String>),
 }
 
@@ -62,7 +62,7 @@ fn find_in<'a>(name: &str, directories: impl Iterator<Item = &'a Path>) -> Found
 fn state(path: &Path, directories: &[&Path]) -> Found {
     match path {
         path if path.is_file() => Found::File(path.to_path_buf()),
-        path if path.is_dir() => Found::Directory,
+        path if path.is_dir() => Found::Directory(path.to_path_buf()),
         _ => nowhere(directories),
     }
 }

@@ -103,6 +103,17 @@ impl Check<'_> {
         self.found(key, name, found)
     }
 
+    pub fn folder(&mut self, key: &str, name: &str) -> PathBuf {
+        match self.places.find(name) {
+            Found::Directory(path) => path,
+            Found::File(_) => {
+                self.report(key, Fault::Needs("a folder".into()));
+                PathBuf::new()
+            }
+            nowhere => self.found(key, name, nowhere),
+        }
+    }
+
     pub fn kernel(&mut self, key: &str, name: &str) -> PathBuf {
         let found = self.places.find_kernel(name);
         self.found(key, name, found)
@@ -112,7 +123,7 @@ impl Check<'_> {
         let got = name.to_string();
         match found {
             Found::File(path) => return path,
-            Found::Directory => self.report(key, Fault::IsADirectory { got }),
+            Found::Directory(_) => self.report(key, Fault::IsADirectory { got }),
             Found::Nowhere(looked_in) => {
                 let file_name = Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
                 let about = file_name.and_then(|name| (self.about)(&name));
@@ -144,6 +155,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         "refine",
         "needs shadows: Fourier or Baked, whose errors are known",
     );
+    world::lights_of_globe(spec, check);
     let horizon = world::horizon(&spec.horizon, check);
     let (sun, band) = light::light(spec, has_terrain, check);
     let mut scenario = Scenario {
@@ -158,6 +170,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         shadows: world::shadows(&spec.shadows, horizon.encoding, check),
         horizon,
         refine: spec.refine,
+        view_rays: spec.view_rays,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),
         sun,

@@ -11,6 +11,7 @@ use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::photometry::Curve;
+use crate::render::ViewRays;
 
 pub use super::spec::{
     Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, ShadowPreset,
@@ -38,6 +39,7 @@ pub struct Scenario {
     pub shadows: Shadows,
     /// Whether tracing settles what horizon maps leave open.
     pub refine: bool,
+    pub view_rays: ViewRays,
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
@@ -102,6 +104,27 @@ pub enum Dem {
         values: Values,
         posting_m: Option<f64>,
     },
+    Globe(Globe),
+}
+
+impl Scenario {
+    /// Whether the terrain is a globe in tiles.
+    pub fn shows_globe(&self) -> bool {
+        self.terrain.as_ref().is_some_and(|terrain| matches!(terrain.dems[..], [Dem::Globe(_)]))
+    }
+}
+
+/// A model of the whole body, shown in tiles by what the cameras see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Globe {
+    pub path: PathBuf,
+    pub values: Values,
+    /// `None`: the model's own.
+    pub posting_m: Option<f64>,
+    /// A folder of horizon tiles.
+    pub tiles: Option<PathBuf>,
+    pub posting_px: f64,
+    pub most_tiles: u32,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::resolve::Check;
-use super::resolved::{Albedo, Dem, Horizon, Photometry, Terrain};
+use super::resolved::{Albedo, Dem, Globe, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
@@ -67,6 +67,17 @@ fn resolved_dem(index: usize, written: &spec::Dem, centre: Option<Geodetic>, che
         spec::Dem::Cube { ref path, values, posting_m } => {
             Dem::Cube { path: check.file(&key, path), values, posting_m }
         }
+        spec::Dem::Globe { ref path, values, posting_m, ref tiles, posting_px, most_tiles } => {
+            let tiles_key = format!("terrain.dems[{index}].tiles");
+            Dem::Globe(Globe {
+                path: check.file(&key, path),
+                values,
+                posting_m,
+                tiles: tiles.as_ref().map(|folder| check.folder(&tiles_key, folder)),
+                posting_px,
+                most_tiles,
+            })
+        }
         spec::Dem::Detail { posting_m, extent_m, seed, craters, boulders_per_km2 } => {
             Dem::Detail { posting_m, extent_m, centre, seed, craters, boulders_per_km2 }
         }
@@ -87,6 +98,7 @@ fn finest_first(dems: &[Dem], check: &mut Check) {
         let key = format!("terrain.dems[{index}]");
         let is_last = index + 1 == dems.len();
         check.needs(is_last || !matches!(dem, Dem::Cube { .. }), &key, "covers the whole body, so it must be the last");
+        check.needs(dems.len() == 1 || !matches!(dem, Dem::Globe(_)), &key, "to be the only model: it has all levels");
         let Some(posting_m) = posting_m(dem) else { continue };
         if let Some((earlier, earlier_m)) = finer {
             let rule = format!("is not coarser than the {earlier_m} m of dems[{earlier}]; the finest comes first");
@@ -127,8 +139,23 @@ fn one_synthetic_map(dems: &[Dem], check: &mut Check) {
 fn posting_m(dem: &Dem) -> Option<f64> {
     match *dem {
         Dem::File { posting_m, .. } | Dem::Cube { posting_m, .. } => posting_m,
+        Dem::Globe(Globe { posting_m, .. }) => posting_m,
         Dem::Synthetic { posting_m, .. } | Dem::Detail { posting_m, .. } => Some(posting_m),
     }
+}
+
+/// A globe's tiles stand alone: light that is followed over the ground ends at their sides, horizon maps do not.
+pub fn lights_of_globe(spec: &Spec, check: &mut Check) {
+    let dems = spec.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
+    if !dems.iter().any(|dem| matches!(dem, spec::Dem::Globe { .. })) {
+        return;
+    }
+    use spec::Shadows;
+    let without_maps =
+        !spec.shadows.need_maps() && !matches!(spec.shadows, Shadows::Off | Shadows::Preset(_) | Shadows::Auto { .. });
+    check.needs(!without_maps, "shadows", "to be Fourier, Baked, Series, Preset, Auto or Off over a Globe");
+    check.needs(!spec.refine, "refine", "other terrain than a Globe, beyond whose tiles no ray is traced");
+    check.needs(spec.bounce.is_none(), "bounce", "other terrain than a Globe, beyond whose tiles no light is followed");
 }
 
 pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {

@@ -150,7 +150,7 @@ impl Skylines {
     }
 
     /// The same by a function of a light, a face and a level of it.
-    pub(super) fn found<E, F>(&self, surface: &Surface, field: F, lights: &[HeldLight]) -> Result<Self, E>
+    pub fn found<E, F>(&self, surface: &Surface, field: F, lights: &[HeldLight]) -> Result<Self, E>
     where
         F: Fn(&HeldLight, [usize; 2]) -> Result<Field, E>,
     {

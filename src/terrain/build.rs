@@ -37,6 +37,7 @@
 //! Moon, GLD100 globe       8 km  113 m     1480 m      means of 4 × 4 pixels, as a cube
 //! ```
 
+mod drawn;
 mod error;
 mod fill;
 mod grid;
@@ -46,6 +47,7 @@ mod tile;
 use glam::DVec2;
 use rayon::prelude::*;
 
+pub use drawn::drawn_tile;
 pub use error::Error;
 use grid::{Grid, Rectangle};
 pub use resampling::ResamplingError;

@@ -34,6 +34,25 @@ pub struct TileId {
     pub row: usize,
 }
 
+impl TileId {
+    /// The tile of half the resolution that this one is a quarter of.
+    pub fn parent(self) -> Option<Self> {
+        let level = self.level.checked_sub(1)?;
+        Some(Self { level, column: self.column / 2, row: self.row / 2, ..self })
+    }
+
+    /// Its quarters, of twice the resolution.
+    pub fn children(self) -> [Self; 4] {
+        let Self { level, face, column, row } = self;
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(east, north)| Self {
+            level: level + 1,
+            face,
+            column: 2 * column + east,
+            row: 2 * row + north,
+        })
+    }
+}
+
 impl fmt::Display for TileId {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}/{}/{}/{}", self.face, self.level, self.column, self.row)
@@ -90,11 +109,21 @@ impl QuadTree {
         index * self.posting_m(tile.level) - self.body.equatorial_radius_m
     }
 
-    /// The place of a node of a tile on the body.
-    pub fn place(&self, tile: TileId, node: DVec2) -> Geodetic {
+    /// The point of the sphere on which a node of a tile stands.
+    pub fn on_sphere(&self, tile: TileId, node: DVec2) -> Position<BodyFixed> {
         let on_plane = self.node_m(tile, node).extend(self.body.equatorial_radius_m);
         let towards = self.maps[tile.face].map_from_body.inverse().turn(on_plane).normalize();
-        self.body.geodetic_from_position(Position::from_m(towards * self.body.equatorial_radius_m))
+        Position::from_m(towards * self.body.equatorial_radius_m)
+    }
+
+    /// The place of a node of a tile on the body.
+    pub fn place(&self, tile: TileId, node: DVec2) -> Geodetic {
+        self.body.geodetic_from_position(self.on_sphere(tile, node))
+    }
+
+    /// The tiles of the coarsest level: one a face.
+    pub fn roots(&self) -> impl Iterator<Item = TileId> + use<> {
+        (0..FACES).map(|face| TileId { level: 0, face, column: 0, row: 0 })
     }
 
     /// The tile of a level that holds a point, and where in it, in nodes.

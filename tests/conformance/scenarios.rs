@@ -49,6 +49,7 @@ fn smaller(scenario: Scenario) -> Scenario {
             }
             Dem::Detail { posting_m, .. } => *posting_m *= 4.0,
             Dem::Cube { posting_m, .. } => *posting_m = Some(15_000.0),
+            Dem::Globe(globe) => globe.posting_m = Some(15_000.0),
         }
     }
     small

@@ -1,11 +1,16 @@
 //! Skylines found in advance: the pass against the reference, and both against series evaluated at every sample.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use perilune::horizon::{Encoding, HorizonMap, Memory, Settings};
 use perilune::pipeline::{self, Silent, ground};
 use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
+use perilune::render::reference::{self, Reference};
 use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::Baked;
+use perilune::shadow::skylines::Field;
+use perilune::shadow::{Baked, HeldLight, OutsideSwath, Skylines, Towards};
+use perilune::terrain::Surface;
 
 use super::render::{compare, scenes};
 
@@ -80,4 +85,64 @@ fn a_renderer_bakes_anew_when_the_sun_has_moved() {
     assert_eq!(differences(&first, &again), (0.0, 0.0));
     assert_eq!(differences(&second, &alone), (0.0, 0.0));
     assert!(differences(&first, &second).0 > 0.5);
+}
+
+/// Counts how often a level's skylines are found.
+#[derive(Debug)]
+struct Counted {
+    baked: Baked,
+    found: Arc<AtomicUsize>,
+}
+
+impl Towards for Counted {
+    fn name(&self) -> &'static str {
+        "counted"
+    }
+
+    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+        self.found.fetch_add(1, Ordering::Relaxed);
+        self.baked.field(surface, face, level, light)
+    }
+}
+
+#[test]
+fn labels_use_the_skylines_that_the_renderer_found() {
+    let Some(gpu) = super::gpu() else { return };
+    let (mut scene, view, maps) = nested(Encoding::Fm16);
+    let found = Arc::new(AtomicUsize::new(0));
+    let levels: usize = maps.iter().map(Vec::len).sum();
+    scene.shadows = Shadows::Towards(Box::new(Counted { baked: Baked(maps), found: found.clone() }));
+    let mut passes = Passes::new(gpu);
+    passes.samples(&scene, &view).unwrap();
+    assert_eq!(found.load(Ordering::Relaxed), levels * view.lights.len());
+    let known = passes.skylines(&scene).unwrap();
+    reference::shadow(&scene, &view, &known).unwrap();
+    assert_eq!(found.load(Ordering::Relaxed), levels * view.lights.len());
+    // Whoever knows nothing finds them again.
+    reference::shadow(&scene, &view, &Skylines::default()).unwrap();
+    assert_eq!(found.load(Ordering::Relaxed), 2 * levels * view.lights.len());
+}
+
+/// The device bakes in f32: horizons there are within 3e-5 rad of f64's, as its search holds.
+#[test]
+fn skylines_baked_on_the_device_are_read_back_where_they_belong() {
+    let Some(gpu) = super::gpu() else { return };
+    let (mut scene, view, maps) = nested(Encoding::Fm16);
+    scene.shadows = Shadows::Baked(Baked(maps));
+    let mut passes = Passes::new(gpu);
+    passes.samples(&scene, &view).unwrap();
+    let read = passes.skylines(&scene).unwrap();
+    let method = scene.shadows.towards().unwrap();
+    let lights = view.held_lights();
+    let believed = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
+    for light in 0..lights.len() {
+        for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
+            for level in 0..levels.levels.len() {
+                let [read, believed] = [&read, &believed].map(|skylines| skylines.field(light, face, level));
+                assert_eq!(read.len(), believed.len());
+                let apart = read.iter().zip(believed).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
+                assert!(apart < 3e-5, "level {level}: {apart} rad");
+            }
+        }
+    }
 }

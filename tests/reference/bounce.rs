@@ -9,7 +9,7 @@ use perilune::photometry::{Hapke, Reflectance};
 use perilune::render::passes::Passes;
 use perilune::render::reference::{Reference, irradiance_w_m2};
 use perilune::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
-use perilune::shadow::Traced;
+use perilune::shadow::{Skylines, Traced};
 use perilune::terrain::{Ground, Hit, Terrain};
 
 use crate::conformance::gpu;
@@ -62,7 +62,7 @@ fn bowl() -> Terrain {
 
 /// Bounced irradiance at a map point.
 fn bounced(scene: &Scene, view: &View, at_m: DVec2) -> f64 {
-    let shadow = perilune::render::reference::shadow(scene, view).unwrap();
+    let shadow = perilune::render::reference::shadow(scene, view, &Skylines::default()).unwrap();
     let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(scene, view, shadow.as_deref());
     let level = &scene.surface.terrain.faces[0].levels[0];
     level.bilinear_of(&field[0][0], level.grid_from_map(at_m)).unwrap()
@@ -142,7 +142,7 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
             if believed.is_empty() {
                 believed = nodes.iter().map(|node| by_rays(&scene, &view, *node)).collect();
             }
-            let shadow = perilune::render::reference::shadow(&scene, &view).unwrap();
+            let shadow = perilune::render::reference::shadow(&scene, &view, &Skylines::default()).unwrap();
             let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(&scene, &view, shadow.as_deref());
             let level = &scene.surface.terrain.faces[0].levels[0];
             let got: Vec<f64> =

@@ -24,10 +24,16 @@ fn height_m(towards: DVec3) -> f64 {
 
 /// The globe turned by an angle about its axis.
 fn write(path: &Path, turned_rad: f64) {
+    let (sin, cos) = turned_rad.sin_cos();
+    write_globe(path, &|p| height_m(DVec3::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x, p.z)));
+}
+
+/// A globe of heights by direction.
+pub(super) fn write_globe(path: &Path, height_m: &dyn Fn(DVec3) -> f64) {
     let (columns, rows) = (360 * PIXELS_PER_DEGREE, 180 * PIXELS_PER_DEGREE);
     let pixel_rad = PI / rows as f64;
     let value = |index: usize| {
-        let longitude_rad = (index % columns) as f64 * pixel_rad + 0.5 * pixel_rad - PI - turned_rad;
+        let longitude_rad = (index % columns) as f64 * pixel_rad + 0.5 * pixel_rad - PI;
         let latitude_rad = PI / 2.0 - ((index / columns) as f64 + 0.5) * pixel_rad;
         let (sin, cos) = longitude_rad.sin_cos();
         height_m(DVec3::new(latitude_rad.cos() * cos, latitude_rad.cos() * sin, latitude_rad.sin())) as f32
@@ -41,7 +47,7 @@ fn write(path: &Path, turned_rad: f64) {
     GeoTiff { columns, rows, bands, crs, geotransform }.write(path).unwrap();
 }
 
-fn options(folder: &TempDir, name: &str) -> Options {
+pub(super) fn options(folder: &TempDir, name: &str) -> Options {
     let dem = folder.path().join("globe.tif");
     if !dem.exists() {
         write(&dem, 0.0);
@@ -61,7 +67,7 @@ fn options(folder: &TempDir, name: &str) -> Options {
     }
 }
 
-fn run(options: &Options) -> Report {
+pub(super) fn run(options: &Options) -> Report {
     build(&Body::moon(), options, &Silent).unwrap()
 }
 

@@ -6,8 +6,9 @@ use glam::DVec2;
 use perilune::geometry::{Body, Position};
 use perilune::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
 use perilune::render::planes::Radiometry;
-use perilune::render::reference::Reference;
+use perilune::render::reference::{self, Reference};
 use perilune::render::{Quantity, Renderer, Scene, Shadows};
+use perilune::shadow::Skylines;
 use perilune::terrain::{Hit, Surface};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
@@ -118,7 +119,8 @@ fn half_of_a_footprint_on_a_shadows_edge_is_lit() {
     let (scene, view) = shaded();
     let centres = Reference.samples(&scene, &view).unwrap().centres;
     let limits = Limits { footprint_m: 8.0, slope_rad: 0.2, roughness_m: 0.5, sunlit_share: 0.9 };
-    let found = Hazards::of(&scene, &view, &centres, &limits, true).unwrap();
+    let shadow = reference::shadow(&scene, &view, &Skylines::default()).unwrap();
+    let found = Hazards::of(&scene, &view, shadow.as_deref(), &centres, &limits, true);
     // Columns look at −29.5, −28.5, …; the wall's top is at x = 21, so the shadow ends at x = 1, within its
     // penumbra of 0.2 m and a posting.
     let at = |x_m: f64| (x_m + 29.5).round() as usize;
@@ -128,11 +130,11 @@ fn half_of_a_footprint_on_a_shadows_edge_is_lit() {
     // Each limit alone: light, the wall's slope and roughness, and nothing.
     assert_eq!((found.hazard[at(-10.5)], found.hazard[at(10.5)]), (0.0, 1.0));
     let dark = Limits { sunlit_share: 0.0, ..limits };
-    let found = Hazards::of(&scene, &view, &centres, &dark, false).unwrap();
+    let found = Hazards::of(&scene, &view, None, &centres, &dark, false);
     assert!(found.sunlit_share.is_empty());
     assert_eq!((found.hazard[at(10.5)], found.hazard[at(19.5)]), (0.0, 1.0));
     let sturdy = Limits { slope_rad: 1.5, roughness_m: 50.0, ..dark };
-    assert_eq!(Hazards::of(&scene, &view, &centres, &sturdy, false).unwrap().hazard[at(19.5)], 0.0);
+    assert_eq!(Hazards::of(&scene, &view, None, &centres, &sturdy, false).hazard[at(19.5)], 0.0);
 }
 
 #[test]

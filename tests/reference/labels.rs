@@ -6,7 +6,8 @@ use glam::{DMat3, DVec2, DVec3};
 use perilune::camera::{Camera as Optics, Distortion};
 use perilune::geometry::{Body, Direction, Geodetic, Rotation};
 use perilune::labels::{Crater, Ellipse, Landmark, Origin, Rim, landmarks};
-use perilune::render::{Scene, Shadows, View};
+use perilune::render::{Scene, Shadows, View, reference};
+use perilune::shadow::Skylines;
 use perilune::terrain::Terrain;
 
 use crate::scenes::{Grid, bare, flat_body, map, nadir, pinhole, scene, sun};
@@ -19,7 +20,8 @@ fn crater(centre: Geodetic, diameters_m: [f64; 2], azimuth_rad: f64) -> Crater {
 
 fn seen(scene: &Scene, view: &View, crater: &Crater) -> Option<Landmark> {
     let rim = Rim::of(crater, &scene.surface);
-    landmarks(scene, view, &[(crater.clone(), rim)], 1.0).unwrap().pop()
+    let shadow = reference::shadow(scene, view, &Skylines::default()).unwrap();
+    landmarks(scene, view, shadow.as_deref(), &[(crater.clone(), rim)], 1.0).pop()
 }
 
 /// Map point 0, 0 of the scenes' map.

@@ -13,5 +13,6 @@ mod photometry;
 mod raster;
 mod render;
 mod ridge;
+mod shown;
 mod sky;
 mod trajectory;

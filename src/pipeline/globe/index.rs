@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::{Checks, Globe, Options};
+use super::{Checks, Globe};
 use crate::dataset::atomic;
 use crate::horizon::{Encoding, ErrorStatistics, Settings, TileErrors};
 use crate::pipeline::Error;
@@ -39,7 +39,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    pub fn new(tree: &QuadTree, dem: &GlobalDem, dem_sha256: String, options: &Options) -> Self {
+    pub fn new(
+        tree: &QuadTree,
+        dem: &GlobalDem,
+        dem_sha256: String,
+        margin: usize,
+        settings: Settings,
+        encoding: Encoding,
+    ) -> Self {
         Self {
             format: FORMAT.into(),
             body: tree.body.name.clone(),
@@ -52,9 +59,9 @@ impl Plan {
             cells: tree.cells,
             levels: tree.levels,
             posting_m: tree.posting_m(tree.levels - 1),
-            margin: options.margin,
-            settings: options.settings,
-            encoding: options.encoding,
+            margin,
+            settings,
+            encoding,
         }
     }
 

@@ -6,6 +6,7 @@ use super::upload::{DeviceGround, fits};
 use crate::gpu::Gpu;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
+use crate::shadow::skylines::{Feet, Field};
 use crate::shadow::{HeldLight, OutsideSwath, Skylines};
 
 /// The baking pass, as one text.
@@ -32,6 +33,7 @@ pub struct DeviceSkylines {
     /// Where a light's field of each level begins, in texels.
     starts: Vec<usize>,
     texels: usize,
+    /// Found there, or read back.
     host: Skylines,
     made: Option<(Vec<HeldLight>, Buffer)>,
 }
@@ -122,18 +124,46 @@ impl DeviceSkylines {
     }
 
     fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[HeldLight]) -> Result<Buffer, OutsideSwath> {
-        let method = scene.shadows.towards().expect("fields have a method");
-        self.host = self.host.towards(&scene.surface, method, lights)?;
+        let found = self.found_on_host(scene, lights)?;
         let mut values = vec![[0.0; 2]; PER_TEXEL * lights.len() * self.texels];
         for light in 0..lights.len() {
-            let mut starts = self.starts.iter().map(|start| PER_TEXEL * (light * self.texels + start));
             for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
-                for (level, start) in (0..levels.levels.len()).zip(&mut starts) {
-                    let field = self.host.field(light, face, level);
+                for level in 0..levels.levels.len() {
+                    let (start, field) = (self.start(scene, light, [face, level]), found.field(light, face, level));
                     values[start..start + field.len()].copy_from_slice(field);
                 }
             }
         }
         Ok(gpu.storage("skylines", &values))
+    }
+
+    /// Where a light's field of a level begins, in nodes.
+    fn start(&self, scene: &Scene, light: usize, [face, level]: [usize; 2]) -> usize {
+        let before: usize = scene.surface.terrain.faces[..face].iter().map(|face| face.levels.len()).sum();
+        PER_TEXEL * (light * self.texels + self.starts[before + level])
+    }
+
+    /// The fields towards these lights of a method that the host carries out; a device's are made elsewhere.
+    pub fn found_on_host(&mut self, scene: &Scene, lights: &[HeldLight]) -> Result<Skylines, OutsideSwath> {
+        if let Some(method) = scene.shadows.towards().filter(|_| self.bake.is_none()) {
+            self.host = self.host.towards(&scene.surface, method, lights)?;
+        }
+        Ok(self.host.clone())
+    }
+
+    /// The fields that the device holds, read back where it made them.
+    pub fn on_host(&mut self, gpu: &Gpu, scene: &Scene) -> Result<Skylines, RenderError> {
+        let Some((lights, buffer)) = self.made.as_ref().filter(|(lights, _)| *lights != self.host.lights) else {
+            return Ok(self.host.clone());
+        };
+        let values: Vec<[f32; 2]> = gpu.read(buffer)?;
+        let field = |held: &HeldLight, [face, level]: [usize; 2]| -> Result<Field, RenderError> {
+            let light = lights.iter().position(|light| light == held).unwrap_or_default();
+            let start = self.start(scene, light, [face, level]);
+            Ok(values[start..][..Feet::of(&scene.surface.terrain.faces[face].levels[level]).count()].to_vec())
+        };
+        let read = Skylines::default().found(&scene.surface, field, lights)?;
+        self.host = read.clone();
+        Ok(read)
     }
 }

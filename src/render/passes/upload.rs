@@ -8,7 +8,7 @@ use wgpu::Buffer;
 
 use crate::gpu::Gpu;
 use crate::horizon::{Encoding, HorizonMap};
-use crate::render::layout::{MapFace, MapLevel};
+use crate::render::layout::{Ball, MapFace, MapLevel};
 use crate::render::{RenderError, Scene, Shadows, View};
 use crate::terrain::{Level, Pyramid, Surface, Terrain};
 
@@ -25,6 +25,8 @@ const GRADIENT_PAGES: usize = 2;
 #[derive(Debug)]
 pub struct DeviceGround {
     pub levels: Vec<PackedLevel>,
+    /// Around each face's ground.
+    pub balls: Vec<Ball>,
     pub heights: Buffer,
     pub gradients: [Buffer; GRADIENT_PAGES],
     pub maxima: Buffer,
@@ -85,6 +87,7 @@ impl DeviceGround {
                 ("MORE_GRADIENTS", f64::from(u8::from(more_gradients))),
             ],
             levels: store.levels,
+            balls: scene.surface.terrain.faces.par_iter().map(Ball::about).collect(),
         })
     }
 

@@ -129,6 +129,35 @@ pub enum Dem {
         #[schemars(range(min = 1.0, max = 1_000_000.0))]
         posting_m: Option<f64>,
     },
+    /// A raster of the whole body of any size, of which the parts that the cameras see are read, each at the level of detail at
+    /// which they see it. It stands alone, and its shadows come from horizon maps.
+    Globe {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// The finest posting, at most. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1_000_000.0))]
+        posting_m: Option<f64>,
+        /// A folder of `sim horizon globe` whose horizons are taken where it has them; its tiles' size, posting and margin
+        /// hold. Default: all are made, and kept in the cache.
+        #[serde(default)]
+        tiles: Option<String>,
+        /// Detail ends where nodes are seen closer than this.
+        #[serde(default = "one")]
+        #[schemars(range(min = 0.1, max = 100.0))]
+        posting_px: f64,
+        /// Where more tiles than this would be needed, detail ends sooner. A tile takes some 5 MB.
+        #[serde(default = "default_most_tiles")]
+        #[schemars(range(min = 6, max = 1024))]
+        most_tiles: u32,
+    },
+}
+
+fn default_most_tiles() -> u32 {
+    96
 }
 
 /// What the numbers of an elevation model are.

@@ -140,7 +140,7 @@ fn grid(tree: &QuadTree, tile: TileId, step: usize, margin: usize, reach: &Recta
 }
 
 /// Heights on the nodes of a grid, NaN where the model has none, read block by block.
-fn read(body: &Body, map: &Gnomonic, grid: &Grid, dem: &GlobalDem) -> Result<Vec<f64>, Error> {
+pub(super) fn read(body: &Body, map: &Gnomonic, grid: &Grid, dem: &GlobalDem) -> Result<Vec<f64>, Error> {
     let mut heights_m = vec![f64::NAN; grid.nodes()];
     for block in grid.blocks(BLOCK) {
         let middle = map.up(0.5 * (block.at(0, 0) + block.at(block.columns - 1, block.rows - 1)));
