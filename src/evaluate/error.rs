@@ -21,6 +21,10 @@ pub enum Error {
     Method { got: String, allowed: String },
     #[error("the scenario has no terrain, there is nothing to cast a shadow")]
     NoTerrain,
+    #[error(
+        "the terrain is a Globe, beyond whose tiles nothing is traced: there is no truth to compare with; use Cube"
+    )]
+    Globe,
     #[error("exposure {exposure} sees no ground with heights")]
     NoGround { exposure: usize },
 }

@@ -117,6 +117,9 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     if scenario.terrain.is_none() {
         return Err(Error::NoTerrain);
     }
+    if scenario.shows_globe() {
+        return Err(Error::Globe);
+    }
     let last = scenario.exposures.len() - 1;
     if options.exposure > last {
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });

@@ -28,7 +28,7 @@
 //! same scenario gives the same bytes whatever was run before.
 
 use crate::horizon::{Encoding, bound};
-use crate::scenario::{Ambient, Dem, Scenario, Shadows, Sky};
+use crate::scenario::{Ambient, Scenario, Shadows, Sky};
 use crate::shadow::HeldLight;
 use crate::shadow::swath::MOST_PLANES;
 use crate::terrain::{Level, Surface};
@@ -101,7 +101,7 @@ pub fn choose(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) ->
     if scenario.terrain.is_none() {
         return Choice { shadows: Shadows::Off, why: Some("shadows: Off, there is no terrain to cast any".into()) };
     }
-    if scenario.terrain.as_ref().is_some_and(|terrain| matches!(terrain.dems[..], [Dem::Globe(_)])) {
+    if scenario.shows_globe() {
         return Choice {
             shadows: Shadows::Fourier,
             why: Some("shadows: Fourier, a globe's tiles need its horizon maps".into()),

@@ -12,6 +12,7 @@ use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::labels::Wanted;
 use crate::photometry::Curve;
+use crate::render::ViewRays;
 
 pub use super::spec::{
     Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, ShadowPreset,
@@ -39,6 +40,7 @@ pub struct Scenario {
     pub shadows: Shadows,
     /// Whether tracing settles what horizon maps leave open.
     pub refine: bool,
+    pub view_rays: ViewRays,
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
@@ -104,6 +106,13 @@ pub enum Dem {
         posting_m: Option<f64>,
     },
     Globe(Globe),
+}
+
+impl Scenario {
+    /// Whether the terrain is a globe in tiles.
+    pub fn shows_globe(&self) -> bool {
+        self.terrain.as_ref().is_some_and(|terrain| matches!(terrain.dems[..], [Dem::Globe(_)]))
+    }
 }
 
 /// A model of the whole body, shown in tiles by what the cameras see.

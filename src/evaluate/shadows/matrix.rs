@@ -65,6 +65,9 @@ pub fn run(
     if scenario.terrain.is_none() {
         return Err(Error::NoTerrain);
     }
+    if scenario.shows_globe() {
+        return Err(Error::Globe);
+    }
     // One map serves all elevations.
     scenario.horizon.band = false;
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;

@@ -7,7 +7,7 @@
 //! posting cos c > n · width of a pixel        c: central angle from the middle of the tile's face, n: the posting in pixels
 //! ```
 //!
-//! anywhere in it, down to the tree's finest level. Where that takes more tiles than are allowed, `n` grows by √2 until it does not.
+//! anywhere in it, down to the tree's finest level; what shows behind the limb is seen from the side and as wide as it is far away. Where that takes more tiles than are allowed, `n` grows by √2 until it does not.
 //! Of the tiles only those are taken that may be seen by a camera or lie below one: parts of a tile, in spheres that hold their
 //! relief, are held against the cone around the camera's rays and against the limb. Shadows need no others: horizons hold what
 //! lies around.
@@ -28,8 +28,11 @@ use crate::terrain::{Cut, GlobalDem, Surface};
 
 /// Rays along each side of an image.
 const RAYS: u32 = 48;
-/// Parts of a tile along its side that are looked for.
-const PARTS: usize = 8;
+/// Steps from the limb to the farthest that shows behind it.
+const RINGS: u32 = 4;
+/// Parts of a face along its side that are looked for, and of a small tile.
+const PARTS: usize = 32;
+const LEAST_PARTS: usize = 4;
 /// Lens distortion may open the cone of rays more than at the image's border.
 const WIDER_RAD: f64 = 0.02;
 
@@ -51,7 +54,12 @@ pub fn choose(
     posting_px: f64,
     most: usize,
 ) -> Choice {
-    let footprints = poses.par_iter().flat_map_iter(|pose| footprints(ground, camera, pose)).collect::<Vec<_>>();
+    let reach_rad = dem.reach_rad(&tree.body);
+    let footprints = |pose: &Pose| {
+        let radius_m = ground.below(pose.position).vector_m().length();
+        Image { camera, pose, radius_m }.footprints(reach_rad)
+    };
+    let footprints = poses.par_iter().flat_map_iter(footprints).collect::<Vec<_>>();
     let sights = poses.iter().map(|pose| Sight::new(tree, dem, camera, pose)).collect::<Vec<_>>();
     let may_be_seen = |tile| {
         let parts = parts(tree, dem, tile);
@@ -87,24 +95,76 @@ impl Footprint {
     }
 }
 
-/// Pixels of a raster of an image's, where they see the body.
-fn footprints(ground: &Surface, camera: &Camera, pose: &Pose) -> Vec<Footprint> {
-    let radius_m = ground.below(pose.position).vector_m().length();
-    let meets = |pixel: DVec2| {
-        let direction = pose.camera_from_body.inverse() * camera.direction(pixel)?;
-        on_sphere(pose.position, direction, radius_m)
-    };
-    let footprint = |pixel: DVec2| {
-        let at = meets(pixel)?;
-        // Towards the middle, or a pixel of the image's last column had no neighbour.
-        let inwards = |at: f64, count: u32| if at < 0.5 * f64::from(count) { 1.0 } else { -1.0 };
-        let steps = [DVec2::X * inwards(pixel.x, camera.columns), DVec2::Y * inwards(pixel.y, camera.rows)];
-        let widths_m = steps.into_iter().filter_map(|step| Some(meets(pixel + step)?.distance_m(at)));
+/// What an image's pixels see of a sphere through the ground below the camera.
+struct Image<'a> {
+    camera: &'a Camera,
+    pose: &'a Pose,
+    radius_m: f64,
+}
+
+impl Image<'_> {
+    fn meets(&self, pixel: DVec2) -> Option<Position<BodyFixed>> {
+        let direction = self.pose.camera_from_body.inverse() * self.camera.direction(pixel)?;
+        on_sphere(self.pose.position, direction, self.radius_m)
+    }
+
+    /// Pixels of a raster, where they see the body, and what stands behind its limb up to a central angle from there.
+    fn footprints(&self, reach_rad: f64) -> Vec<Footprint> {
+        let (columns, rows) = (raster(self.camera.columns), raster(self.camera.rows));
+        let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| DVec2::new(*column, *row)));
+        let pairs = |from: &[f64]| from.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
+        let along = pairs(&columns).into_iter().flat_map(|x| rows.iter().map(move |y| x.map(|x| DVec2::new(x, *y))));
+        let across = pairs(&rows).into_iter().flat_map(|y| columns.iter().map(move |x| y.map(|y| DVec2::new(*x, y))));
+        let limb = along.chain(across).filter_map(|pair| self.limb_between(pair));
+        let behind = limb.flat_map(|(pixel, at)| self.behind(pixel, at, reach_rad));
+        pixels.filter_map(|pixel| self.footprint(pixel)).chain(behind).collect()
+    }
+
+    fn footprint(&self, pixel: DVec2) -> Option<Footprint> {
+        let at = self.meets(pixel)?;
+        let widths_m = self.beside(pixel).into_iter().filter_map(|other| Some(self.meets(other)?.distance_m(at)));
         let width_m = widths_m.fold(f64::INFINITY, f64::min);
         width_m.is_finite().then_some(Footprint { at, width_m })
-    };
-    let (columns, rows) = (raster(camera.columns), raster(camera.rows));
-    rows.iter().flat_map(|row| columns.iter().filter_map(move |column| footprint(DVec2::new(*column, *row)))).collect()
+    }
+
+    /// The next pixels in row and column, towards the image's middle: those of its last column have no others.
+    fn beside(&self, pixel: DVec2) -> [DVec2; 2] {
+        let inwards = |at: f64, count: u32| if at < 0.5 * f64::from(count) { 1.0 } else { -1.0 };
+        let (x, y) = (inwards(pixel.x, self.camera.columns), inwards(pixel.y, self.camera.rows));
+        [pixel + DVec2::X * x, pixel + DVec2::Y * y]
+    }
+
+    /// The last pixel that sees the body between one that does and one that does not.
+    fn limb_between(&self, [a, b]: [DVec2; 2]) -> Option<(DVec2, Position<BodyFixed>)> {
+        let (mut on, mut off, mut at) = match (self.meets(a), self.meets(b)) {
+            (Some(at), None) => (a, b, at),
+            (None, Some(at)) => (b, a, at),
+            _ => return None,
+        };
+        while on.distance(off) > 0.1 {
+            let middle = 0.5 * (on + off);
+            match self.meets(middle) {
+                Some(found) => (on, at) = (middle, found),
+                None => off = middle,
+            }
+        }
+        Some((on, at))
+    }
+
+    /// Peaks behind the limb are seen from the side: a pixel is as wide as it is across the line of sight.
+    fn behind(&self, pixel: DVec2, limb: Position<BodyFixed>, reach_rad: f64) -> Vec<Footprint> {
+        let Some(ray) = self.camera.direction(pixel) else { return Vec::new() };
+        let others = self.beside(pixel).into_iter().filter_map(|other| self.camera.direction(other));
+        let pixel_rad = others.map(|other| ray.angle_to(other)).fold(0.0, f64::max);
+        let (below, edge) = (self.pose.position.vector_m().normalize(), limb.vector_m().normalize());
+        let Some(outwards) = (edge - below * below.dot(edge)).try_normalize() else { return Vec::new() };
+        let at = |step: u32| {
+            let (sin, cos) = (below.angle_between(edge) + f64::from(step) * reach_rad / f64::from(RINGS)).sin_cos();
+            let at = Position::from_m((below * cos + outwards * sin) * self.radius_m);
+            Footprint { at, width_m: pixel_rad * self.pose.position.distance_m(at) }
+        };
+        (1..=RINGS).map(at).collect()
+    }
 }
 
 /// Pixels along a side, the first and the last among them.
@@ -129,18 +189,19 @@ struct Part {
 }
 
 fn parts(tree: &QuadTree, dem: &GlobalDem, tile: TileId) -> Vec<Part> {
-    let side = tree.cells as f64 / PARTS as f64;
+    let count = (PARTS >> tile.level.min(8)).max(LEAST_PARTS);
+    let side = tree.cells as f64 / count as f64;
     let relief_m =
         dem.lowest_m.abs().max(dem.highest_m.abs()) + tree.body.equatorial_radius_m - tree.body.polar_radius_m;
     let part = |index: usize| {
-        let corner = DVec2::new((index % PARTS) as f64, (index / PARTS) as f64) * side;
+        let corner = DVec2::new((index % count) as f64, (index / count) as f64) * side;
         let at = |x: f64, y: f64| tree.on_sphere(tile, corner + side * DVec2::new(x, y)).vector_m();
         let middle_m = at(0.5, 0.5);
         let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)];
         let across_m = corners.iter().map(|corner| corner.distance(middle_m)).fold(0.0, f64::max);
         Part { middle_m, radius_m: across_m + relief_m }
     };
-    (0..PARTS * PARTS).map(part).collect()
+    (0..count * count).map(part).collect()
 }
 
 /// What a camera may see from a pose.
