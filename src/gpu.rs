@@ -1,4 +1,4 @@
-//! A headless device that runs compute shaders: buffers, pipelines, dispatches, readback, timestamps.
+//! A headless device that runs compute shaders: buffers, pipelines, dispatches, readback, timestamps; and draws depths.
 //!
 //! Knows no physics. A shader's buffers are bindings 0, 1, 2, … of group 0, in the order given to [`Gpu::run`];
 //! counts and constants reach it as `override` values.
@@ -6,8 +6,12 @@
 //! Any Vulkan, Metal or DirectX 12 adapter does, the software ones too. On Debian and Ubuntu the package
 //! `mesa-vulkan-drivers` brings a software adapter (lavapipe).
 
+mod depth;
+
 use bytemuck::Pod;
 use wgpu::util::DeviceExt;
+
+pub use depth::Depths;
 
 /// What can go wrong between the program and its device.
 #[derive(Debug, thiserror::Error)]
@@ -161,15 +165,7 @@ impl Gpu {
     /// 0, 1, … of group 0 that the entry point uses. Returns the seconds the device took, and waits for it, where
     /// the device can tell them.
     pub fn run(&self, pipeline: &wgpu::ComputePipeline, buffers: &[&wgpu::Buffer], groups: [u32; 3]) -> Option<f64> {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let bind_group = self.bindings(&pipeline.get_bind_group_layout(0), buffers);
         let mut encoder = self.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -186,6 +182,14 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         let ticks: Vec<u64> = self.read(&self.timer.as_ref()?.resolved).ok()?;
         Some(ticks[1].saturating_sub(ticks[0]) as f64 * self.timer.as_ref()?.seconds_per_tick)
+    }
+
+    fn bindings(&self, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 }
 

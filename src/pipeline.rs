@@ -261,6 +261,7 @@ pub fn scene(
     ground.inputs.extend(tiles);
     Ok(Scene {
         surface: ground.surface.clone(),
+        view_rays: scenario.view_rays,
         shadows,
         refine: scenario.refine.then_some(settings),
         reflectance: scene::reflectance(scenario)?,

@@ -57,6 +57,7 @@ fn of_file(
         bounce: None,
         shadows: horizons(&ground.surface, &request.cache, progress)?,
         refine: None,
+        view_rays: Default::default(),
         surface: ground.surface,
         reflectance: main.reflectance,
         albedo,

@@ -11,7 +11,7 @@ use crate::gpu::{Adapter, Gpu};
 use crate::pipeline::{self, Exposure, Progress};
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Scene, planes};
+use crate::render::{Quantity, Renderer, Samples, Scene, ViewRays, planes};
 use crate::scenario::Scenario;
 
 /// What to time.
@@ -81,6 +81,27 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
             progress.at(images.rows.len(), 2 * SIZES.len());
         }
     }
+    let mut rays = Table::new(
+        "rays",
+        "Rays from the camera, medians of radiance alone",
+        &[
+            ("pixels", ""),
+            ("rays", ""),
+            ("all", "s"),
+            ("to exact", ""),
+            ("another radiance", "pixels"),
+            ("another radiance", "%"),
+        ],
+    );
+    if let Some(gpu) = &gpu {
+        for size in SIZES {
+            let mut sized = reduced(scenario, size);
+            sized.camera.samples_per_pixel = scenario.camera.samples_per_pixel;
+            sized.outputs.planes = vec![Quantity::Radiance];
+            let mut scene = pipeline::scene(&sized, &mut prepared, &options.cache, &pipeline::Silent)?;
+            rays.rows.extend(view_rays(gpu, &mut scene, &prepared.exposures[chosen.clone()], options.repeat)?);
+        }
+    }
     let adapter = gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe);
     Ok(Report {
         name: "frame",
@@ -93,11 +114,67 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
             "Planes: ground truth in f64 on the CPU. Writing: one OpenEXR file, one image after the other; \
              `sim run` writes on another thread while the next image is rendered."
                 .into(),
+            "Rays: exact ones from the camera, those of Jung 2020 from a coarse mesh with squares of so many cells. Another \
+             radiance: by more than a thousandth, over all exposures."
+                .into(),
         ],
-        tables: vec![stages, images],
+        tables: vec![stages, images, rays],
         plots: Vec::new(),
         pictures: Vec::new(),
     })
+}
+
+/// Ways to find the first ground along a ray, the exact one first.
+const VIEW_RAYS: [(&str, ViewRays); 4] = [
+    ("exact", ViewRays::Exact),
+    ("hybrid, 4 cells", ViewRays::Hybrid { mesh_cells: 4, steps: 32 }),
+    ("hybrid, 8 cells", ViewRays::Hybrid { mesh_cells: 8, steps: 32 }),
+    ("hybrid, 32 cells", ViewRays::Hybrid { mesh_cells: 32, steps: 32 }),
+];
+
+/// Time of each way, in turns, and where its radiance is not that of the exact one.
+fn view_rays(gpu: &Gpu, scene: &mut Scene, exposures: &[Exposure], repeat: usize) -> Result<Vec<Vec<Value>>, Error> {
+    let mut renderers = VIEW_RAYS.map(|_| Passes::new(gpu));
+    let mut laps: [Vec<f64>; VIEW_RAYS.len()] = Default::default();
+    let mut other = [0; VIEW_RAYS.len()];
+    for exposure in exposures {
+        let mut exact = None;
+        for (way, (_, rays)) in VIEW_RAYS.into_iter().enumerate() {
+            scene.view_rays = rays;
+            // The first image uploads the terrain.
+            let samples = renderers[way].samples(scene, &exposure.view)?;
+            other[way] += others(exact.get_or_insert_with(|| samples.clone()), &samples);
+        }
+        for _ in 0..repeat {
+            for (way, (_, rays)) in VIEW_RAYS.into_iter().enumerate() {
+                scene.view_rays = rays;
+                let clock = Instant::now();
+                renderers[way].samples(scene, &exposure.view)?;
+                laps[way].push(lap(clock));
+            }
+        }
+    }
+    let pixels = f64::from(scene.optics.columns) * f64::from(scene.optics.rows);
+    let times = laps.map(|laps| median(laps).unwrap_or(f64::NAN));
+    let rows = VIEW_RAYS.iter().zip(times).zip(other).map(|(((name, _), all), other)| {
+        let share = other as f64 / (pixels * exposures.len() as f64);
+        vec![
+            pixels.into(),
+            (*name).into(),
+            all.into(),
+            (all / times[0]).into(),
+            (other as f64).into(),
+            (100.0 * share).into(),
+        ]
+    });
+    Ok(rows.collect())
+}
+
+/// Pixels whose radiances differ by more than a thousandth.
+fn others(exact: &Samples, tried: &Samples) -> usize {
+    let differs = |(a, b): &(f32, f32)| a.is_nan() != b.is_nan() || (a - b).abs() > 1e-3 * a.abs().max(b.abs());
+    let radiances = exact.pixels.iter().zip(&tried.pixels).map(|(a, b)| (a.radiance_w_m2_sr, b.radiance_w_m2_sr));
+    radiances.filter(differs).count()
 }
 
 /// Medians over some exposures, as a row of the table.

@@ -9,7 +9,7 @@ use crate::dataset::{
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
-use crate::render::{Image, Quantity, Scene};
+use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
@@ -50,6 +50,9 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     }
     if scenario.refine {
         settings["refine"] = true.into();
+    }
+    if scenario.view_rays != ViewRays::Exact {
+        settings["view_rays"] = serde_json::json!(scenario.view_rays);
     }
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });

@@ -24,6 +24,17 @@ pub struct ViewParameters {
 }
 
 #[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RayWindow {
+    pub low: [f32; 2],
+    pub scale: [f32; 2],
+    pub columns: u32,
+    pub rows: u32,
+    pub pitch: u32,
+    pub near_m: f32,
+}
+
+#[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct MapFace {
     pub from_camera_x: [f32; 4],

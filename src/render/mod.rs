@@ -21,7 +21,7 @@ pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View, ViewRays};
 
 use std::time::Duration;
 
@@ -49,7 +49,7 @@ pub trait Renderer {
         Ok(Skylines::default())
     }
 
-    /// What the device spent on the last view, where it can tell.
+    /// What the device spent on the last view in compute passes, where it can tell.
     fn device_time(&self) -> Option<Duration> {
         None
     }

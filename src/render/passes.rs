@@ -9,6 +9,7 @@
 
 mod rays;
 mod skylines;
+mod starts;
 mod upload;
 
 use std::time::Duration;
@@ -17,15 +18,17 @@ use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
 pub use skylines::SHADER as BAKE_SHADER;
+pub use starts::SHADER as MESH_SHADER;
 pub use upload::DeviceGround;
 
 use rays::Band;
 use skylines::DeviceSkylines;
+use starts::{DeviceMesh, Starts};
 use upload::PackedLevel;
 
-use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters};
+use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, reference, refine};
+use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, ViewRays, reference, refine};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::Gpu;
@@ -37,6 +40,9 @@ use crate::terrain::{Face, Ground, Hit};
 pub const SHADER: &str = concat!(
     include_str!("passes.wgsl"),
     include_str!("texels.wgsl"),
+    include_str!("ray_window.wgsl"),
+    include_str!("starts.wgsl"),
+    include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
     include_str!("../shadow/mipmaps.wgsl"),
     include_str!("../shadow/visibility.wgsl"),
@@ -63,6 +69,8 @@ struct Prepared {
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
+    /// Where rays start that are not cast exactly from the camera.
+    mesh: Option<DeviceMesh>,
 }
 
 /// The pass for a number of rays a pixel, with their centre or without.
@@ -79,6 +87,7 @@ struct Table {
     rays: Rays,
     program: usize,
     bands: Vec<Band>,
+    window: RayWindow,
 }
 
 /// What the device made of a view.
@@ -171,6 +180,11 @@ impl Prepared {
             }
         };
         constants.push(("SKYLINES", f64::from(source)));
+        let mesh = match scene.view_rays {
+            ViewRays::Exact => None,
+            ViewRays::Hybrid { mesh_cells, .. } => Some(DeviceMesh::new(gpu, scene, mesh_cells as usize)?),
+        };
+        constants.push(("STEPS", f64::from(scene.view_rays.steps())));
         constants.extend(ground.encoding.constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
         Ok(Self {
@@ -181,6 +195,7 @@ impl Prepared {
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
+            mesh,
         })
     }
 
@@ -222,8 +237,8 @@ impl Prepared {
                 self.programs.len() - 1
             }
         };
-        let bands = Band::all(gpu, &rays.optics, &points);
-        self.tables.push(Table { rays: rays.clone(), program, bands });
+        let (bands, window) = Band::all(gpu, &rays.optics, &points);
+        self.tables.push(Table { rays: rays.clone(), program, bands, window });
         Ok(self.tables.len() - 1)
     }
 
@@ -256,8 +271,12 @@ impl Prepared {
         let lights = gpu.storage("lights", &lights);
         // A sweep varies the albedo between views.
         let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let table = &self.tables[table];
+        let starts = match &self.mesh {
+            Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
+            None => Starts::at_the_camera(gpu),
+        };
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
         let pipeline = &self.programs[table.program].pipeline;
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
@@ -283,6 +302,8 @@ impl Prepared {
                 &centres_out,
                 &self.ground.gradients[1],
                 bounced.as_ref().unwrap_or(&self.ground.skies),
+                &starts.window,
+                &starts.depths,
             ];
             let groups = band.pixels.div_ceil(GROUP);
             // A dimension holds at most 65535 workgroups.

@@ -55,6 +55,9 @@ struct Centre {
 @group(0) @binding(12) var<storage, read> maxima_m: array<f32>;
 @group(0) @binding(13) var<storage, read> albedos: array<f32>;
 @group(0) @binding(18) var<storage, read> skies: array<f32>;
+// Which rays the depths of the coarse mesh are of, and those depths.
+@group(0) @binding(19) var<storage, read> window: RayWindow;
+@group(0) @binding(20) var<storage, read> depths: array<f32>;
 @group(0) @binding(14) var<storage, read> rays: array<vec2f>;
 @group(0) @binding(15) var<storage, read_write> pixels_out: array<Pixel>;
 @group(0) @binding(16) var<storage, read_write> centres_out: array<Centre>;
@@ -117,8 +120,8 @@ fn body_direction(camera_d: vec3f) -> vec3f {
     );
 }
 
-// The first map from `from_face` on that a ray (camera axes) may meet; `FACES`: none. Apart from the walk over that map, for devices that
-// run through code that none of their rays need.
+// The first map from `from_face` on that a ray (camera axes) may meet; `FACES`: none. Apart from the walk over that map, for devices
+// that run through code that none of their rays need.
 fn next_face(from_face: u32, camera_d: vec3f) -> u32 {
     var face = from_face;
     while face < FACES && dot(map_faces[face].cone.xyz, camera_d) < map_faces[face].cone.w {
@@ -127,10 +130,10 @@ fn next_face(from_face: u32, camera_d: vec3f) -> u32 {
     return face;
 }
 
-fn first_hit(camera_d: vec3f, body_d: vec3f) -> SurfaceHit {
+fn first_hit(camera_d: vec3f, body_d: vec3f, start_m: f32) -> SurfaceHit {
     var nearest = no_hit();
     for (var face = next_face(0u, camera_d); face < FACES; face = next_face(face + 1u, camera_d)) {
-        let hit = hit_face(face, camera_d, nearest.distance_m);
+        let hit = hit_face(face, camera_d, start_m);
         if hit.distance_m < nearest.distance_m {
             nearest = hit;
         }
@@ -333,7 +336,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         let camera_d = normalize(vec3f(plane_d, 1.0));
         let body_d = body_direction(camera_d);
-        var hit = first_hit(camera_d, body_d);
+        var hit = first_hit(camera_d, body_d, start_distance(plane_d));
         var facet: Facet;
         if hit.ground == DEM {
             facet = dem_facet(hit);

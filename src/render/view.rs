@@ -1,5 +1,8 @@
 //! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::camera::{Camera as Optics, Detector, Pose};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
@@ -13,6 +16,7 @@ use super::{Bounce, Quantity};
 #[derive(Debug)]
 pub struct Scene {
     pub surface: Surface,
+    pub view_rays: ViewRays,
     pub shadows: Shadows,
     /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
     pub refine: Option<crate::horizon::Settings>,
@@ -35,6 +39,45 @@ pub struct Scene {
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
     pub quantities: Vec<Quantity>,
+}
+
+/// How the first ground along a ray from the camera is found. The reference renderer always casts exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum ViewRays {
+    /// From the camera, over the maxima of blocks of cells.
+    #[default]
+    Exact,
+    /// From a coarse mesh above the terrain, by steps of a cell's width (Jung 2020); exactly from where the steps end. To compare
+    /// with.
+    Hybrid {
+        /// Cells of the terrain along a side of the mesh's squares.
+        #[serde(default = "default_mesh_cells")]
+        #[schemars(range(min = 1, max = 256))]
+        mesh_cells: u32,
+        /// Steps at most.
+        #[serde(default = "default_steps")]
+        #[schemars(range(min = 1, max = 4096))]
+        steps: u32,
+    },
+}
+
+fn default_mesh_cells() -> u32 {
+    8
+}
+
+fn default_steps() -> u32 {
+    32
+}
+
+impl ViewRays {
+    /// Steps of a ray before it is cast exactly.
+    pub fn steps(self) -> u32 {
+        match self {
+            Self::Exact => 0,
+            Self::Hybrid { steps, .. } => steps,
+        }
+    }
 }
 
 /// What a map of albedos holds.

@@ -170,6 +170,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         shadows: world::shadows(&spec.shadows, horizon.encoding, check),
         horizon,
         refine: spec.refine,
+        view_rays: spec.view_rays,
         photometry: (&spec.surface.photometry).into(),
         albedo: world::albedo(&spec.surface, check),
         sun,

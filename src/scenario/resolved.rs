@@ -10,7 +10,9 @@ use super::sweep::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::labels::Wanted;
 use crate::photometry::Curve;
+use crate::render::ViewRays;
 
 pub use super::spec::{
     Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, ShadowPreset,
@@ -38,6 +40,7 @@ pub struct Scenario {
     pub shadows: Shadows,
     /// Whether tracing settles what horizon maps leave open.
     pub refine: bool,
+    pub view_rays: ViewRays,
     pub photometry: Photometry,
     pub albedo: Albedo,
     pub sun: Sun,
@@ -321,7 +324,7 @@ impl Camera {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landmarks {
     pub lists: Vec<CraterList>,
-    pub smallest_px: f64,
+    pub wanted: Wanted,
     pub overlay: bool,
 }
 

@@ -5,6 +5,7 @@ pub mod cut;
 pub mod gnomonic;
 pub mod level;
 mod march;
+pub mod mesh;
 pub mod pyramid;
 pub mod quadtree;
 pub mod surface;
@@ -14,6 +15,7 @@ pub use build::{GlobalDem, NestedDem, ResamplingError, build_cube, build_face, b
 pub use cut::Cut;
 pub use gnomonic::Gnomonic;
 pub use level::{Face, Level, Terrain};
+pub use mesh::Mesh;
 pub use pyramid::Pyramid;
 pub use quadtree::{QuadTree, TileId};
 pub use surface::{Ground, Hit, Surface};

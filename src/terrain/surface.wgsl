@@ -5,48 +5,6 @@
 // sigma = R t/(z0 + t d.z) for the distance t. Grid coordinates count from the camera's cell, so that
 // they are small where they must be exact.
 
-// A map: how to carry a ray into it, and its levels, finest first.
-struct MapFace {
-    // Rows of the rotation from camera axes to map axes.
-    from_camera_x: vec4f,
-    from_camera_y: vec4f,
-    from_camera_z: vec4f,
-    // Centre of projection to camera, in map axes; w is R.
-    camera_m: vec4f,
-    // (x0/z0, y0/z0, R/z0) of the camera, and its lifted height; only where `direct`.
-    quotient: vec4f,
-    // Seen part of the outermost level: west, south, east, north.
-    bounds_m: vec4f,
-    // Towards its ground, and the bare body there, in camera axes; w is the least cosine with that.
-    cone: vec4f,
-    first_level: u32,
-    levels: u32,
-    // 1 where the camera stands well above the map's plane, so that rays start at the camera.
-    direct: u32,
-    // 1 where the ground beyond the edge is unknown.
-    open_edge: u32,
-}
-
-// The seen part of a level.
-struct MapLevel {
-    // The camera's cell, and the camera within it (0 and the raw position where not `direct`).
-    base: vec2i,
-    camera: vec2f,
-    south_west_m: vec2f,
-    posting_m: f32,
-    columns: u32,
-    rows: u32,
-    mips: u32,
-    heights_offset: u32,
-    maxima_offset: u32,
-    // Where the horizon map's resolution levels begin.
-    horizon: vec4u,
-    face: u32,
-    has_horizon: u32,
-    horizon_table: u32,
-    padding: u32,
-}
-
 // What a ray met.
 const MISS: u32 = 0u;
 const DEM: u32 = 1u;
@@ -266,9 +224,12 @@ fn mip_offset(cells: vec2i, mip: i32) -> u32 {
     return offset;
 }
 
-// True distance from the camera.
-fn distance_along(face: MapFace, ray: LiftedRay, sigma: f32) -> f32 {
-    return ray.skipped_m + sigma * ray.z_m / (face.camera_m.w - sigma * ray.rate);
+// Grid coordinates of the ray's start, counted from the level's base.
+fn level_start(face: MapFace, level: MapLevel, ray: LiftedRay) -> vec2f {
+    if face.direct == 0u {
+        return (ray.start.xy - level.south_west_m) / level.posting_m;
+    }
+    return level.camera;
 }
 
 fn walk_visit(face: MapFace, ray: LiftedRay, index: u32, near: f32, far: f32) -> SurfaceHit {
@@ -276,17 +237,14 @@ fn walk_visit(face: MapFace, ray: LiftedRay, index: u32, near: f32, far: f32) ->
         return no_hit();
     }
     let level = map_levels[index];
-    var start = vec3f(level.camera, ray.start.z);
-    if face.direct == 0u {
-        start = vec3f((ray.start.xy - level.south_west_m) / level.posting_m, ray.start.z);
-    }
+    let start = vec3f(level_start(face, level, ray), ray.start.z);
     let step = vec3f(ray.step.xy / level.posting_m, ray.step.z);
     let found = walk_level(level, start, step, near, far);
     if found.sigma >= FAR_AWAY {
         return no_hit();
     }
     let fraction = clamp(start.xy + found.sigma * step.xy - vec2f(found.cell - level.base), vec2f(0.0), vec2f(1.0));
-    let distance_m = distance_along(face, ray, found.sigma);
+    let distance_m = ray.skipped_m + found.sigma * ray.z_m / (face.camera_m.w - found.sigma * ray.rate);
     return SurfaceHit(DEM, index, found.cell, fraction, distance_m);
 }
 
@@ -309,7 +267,7 @@ fn over_level(face: MapFace, ray: LiftedRay, index: u32) -> vec2f {
 
 // Gap hits at an open edge: entering or leaving the terrain below its ground.
 fn edge_gap(face: MapFace, ray: LiftedRay, sigma: f32) -> SurfaceHit {
-    let distance_m = distance_along(face, ray, sigma);
+    let distance_m = ray.skipped_m + sigma * ray.z_m / (face.camera_m.w - sigma * ray.rate);
     return SurfaceHit(GAP, 0u, vec2i(0), vec2f(0.0), distance_m);
 }
 
@@ -332,17 +290,27 @@ fn leaves_below_sphere(face: MapFace, ray: LiftedRay) -> bool {
     return ray.start.z + ray.far * ray.step.z < sphere_m;
 }
 
-// The first meeting of a ray (camera axes) with a map's ground, unless it comes over the map beyond `enough_m` only.
-fn hit_face(index: u32, camera_d: vec3f, enough_m: f32) -> SurfaceHit {
+// The first meeting of a ray (camera axes) with the maps' ground, which is not nearer than `start_m`.
+fn hit_face(index: u32, camera_d: vec3f, start_m: f32) -> SurfaceHit {
     let face = map_faces[index];
     let d = map_direction(face, camera_d);
-    let ray = lifted_ray(face, d);
-    if ray.near >= ray.far || distance_along(face, ray, ray.near) > enough_m {
+    var ray = lifted_ray(face, d);
+    if ray.near >= ray.far {
         return no_hit();
     }
     let open_edge = face.open_edge == 1u;
     if open_edge && ray.enters_by_edge && enters_below_ground(face, ray) {
         return edge_gap(face, ray, ray.near);
+    }
+    if start_m >= FAR_AWAY {
+        ray.near = ray.far;
+    } else if start_m > 0.0 {
+        ray.near = clamp(sigma_at(face, ray, start_m), ray.near, ray.far);
+        let stepped = step_to_ground(face, ray);
+        if stepped.hit.ground != MISS {
+            return stepped.hit;
+        }
+        ray.near = stepped.sigma;
     }
     // Outside in, then back out; `inner` is the interval of the next finer level.
     let outermost = face.first_level + face.levels - 1u;

@@ -44,7 +44,7 @@ const STRUCTURE: &[Case] = &[
         "title: \"a test\", tides: 3",
         "2:22: tides is not a key here; allowed: ambient, body, bounce, camera, detector, earthshine, exposures, \
          frame, hazards, horizon, kernels, landmarks, outputs, pointing, refine, seed, shadows, split, sun, surface, sweep, terrain, title, \
-         trajectory",
+         trajectory, view_rays",
     ),
     Case(
         "runs of too many mips",

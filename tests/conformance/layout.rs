@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use perilune::horizon::Encoding;
 use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
 use perilune::render::layout::{
-    BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, ViewParameters,
+    BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
 };
 use perilune::render::passes::{BAKE_SHADER, SHADER};
 
@@ -49,6 +49,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
             host!(ViewParameters: from_camera_x from_camera_y from_camera_z scaled_camera radii_m camera_m pixels
                 padding),
         ),
+        ("RayWindow", host!(RayWindow: low scale columns rows pitch near_m)),
         (
             "MapFace",
             host!(MapFace: from_camera_x from_camera_y from_camera_z camera_m quotient bounds_m cone first_level levels

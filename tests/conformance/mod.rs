@@ -11,6 +11,7 @@ mod photometry;
 pub mod render;
 pub mod scenarios;
 mod skylines;
+mod starts;
 mod vectors;
 mod visibility;
 

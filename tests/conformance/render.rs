@@ -37,6 +37,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
         surface: Surface::new(terrain),
         shadows: Shadows::None,
         refine: None,
+        view_rays: Default::default(),
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
         albedo: None,
         ambient: None,

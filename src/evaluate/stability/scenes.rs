@@ -65,6 +65,7 @@ pub fn bare(body: Body) -> Terrain {
 pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
     Scene {
         refine: None,
+        view_rays: Default::default(),
         surface: Surface::new(terrain),
         shadows: Shadows::None,
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },

@@ -9,6 +9,8 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::render::ViewRays;
+
 pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
@@ -50,6 +52,9 @@ pub struct Spec {
     /// For the shadows Fourier and Baked. Takes seconds an image.
     #[serde(default)]
     pub refine: bool,
+    /// How the first ground along a ray from the camera is found.
+    #[serde(default)]
+    pub view_rays: ViewRays,
     /// How the ground reflects light.
     #[serde(default)]
     pub surface: Surface,
