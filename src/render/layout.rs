@@ -221,7 +221,7 @@ impl Ball {
     fn cone(&self, view: &View) -> [f32; 4] {
         let towards_m = view.camera_from_body.turn(self.middle.vector_m() - view.camera_position.vector_m());
         let distance_m = towards_m.length();
-        if !(distance_m > self.radius_m) {
+        if distance_m <= self.radius_m {
             return ALL_DIRECTIONS;
         }
         let half_rad = (self.radius_m / distance_m).asin() + CONE_SLACK_RAD;
