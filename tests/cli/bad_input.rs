@@ -455,7 +455,7 @@ const MEANING: &[Case] = &[
         "globe beside another model",
         "File(path: \"dem.tif\")",
         "Globe(path: \"dem.tif\"), File(path: \"dem.tif\")",
-        "3:22: terrain.dems[0] needs to be the only model: it has all levels",
+        "3:22: terrain.dems[0] must be the only model: it has all levels",
     ),
     Case(
         "velocity of a camera that stands still",
