@@ -24,8 +24,14 @@ pub struct Args {
 enum Bench {
     /// Speed, error and memory of horizons, and of the shadows they cast. Quick: one small scene, a third of the azimuths
     Horizon(Tables),
-    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: two scenes
-    Encodings(Tables),
+    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: small patches of two scenes
+    Encodings {
+        #[command(flatten)]
+        tables: Tables,
+        /// A scene to try. Repeatable. [default: all]
+        #[arg(long = "scene", value_name = "NAME", value_parser = horizons::ENCODED)]
+        scenes: Vec<String>,
+    },
     /// Illumination by each kind of skyline, and beside published percentages. Quick: some encodings, some places
     Illumination(Tables),
     /// Where the time of an image goes.
@@ -151,9 +157,10 @@ pub fn run(args: Args) -> Outcome {
             let publish = |report: &Report| report.write(&tables.output.output).map(|_| ());
             (horizons::run(&options, &bars, &publish)?, tables.output)
         }
-        Bench::Encodings(tables) => {
+        Bench::Encodings { tables, scenes } => {
             let options = horizons::Options::new(tables.quick, tables.folders());
-            (horizons::run_encodings(&options, &bars)?, tables.output)
+            let partial = |report: &Report| report.write(&tables.output.output).map(drop);
+            (horizons::run_encodings(&options, &scenes, &bars, &partial)?, tables.output)
         }
         Bench::Illumination(tables) => {
             let options = percentages::Options { quick: tables.quick, folders: tables.folders() };

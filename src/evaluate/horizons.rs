@@ -103,24 +103,46 @@ pub fn run(options: &Options, progress: &dyn Progress, publish: Publish) -> Resu
     Ok(tables.report(&notes))
 }
 
-/// Measures all encodings on patches of all scenes.
-pub fn run_encodings(options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
-    let machine = Machine::here();
-    let mut notes = vec!["Truth: the swept horizons before compression; shadows of 180 Suns at each elevation.".into()];
+/// Measures all encodings on patches of some of [`ENCODED`], of all if none is named, and hands the report on each time that
+/// a scene is done.
+pub fn run_encodings(
+    options: &Options,
+    only: &[String],
+    progress: &dyn Progress,
+    partial: &dyn Fn(&Report) -> Result<(), Error>,
+) -> Result<Report, Error> {
+    let side = if options.quick { 96 } else { 128 };
     let mut tables = encodings::Tables::new();
-    for scene in patches(options, &mut notes)? {
-        encodings::measure(&scene, &mut tables, progress)?;
-    }
-    encodings::summarise(&mut tables);
-    Ok(Report {
+    let mut report = Report {
         name: "encodings",
         title: "Encodings of horizons: bytes and error".into(),
-        machine,
-        notes,
-        plots: vec![encodings::plot(&tables)],
-        tables: vec![tables.ratios, tables.shadows, tables.horizons],
+        machine: Machine::here(),
+        notes: vec![
+            "Truth: the swept horizons before compression; shadows of 180 Suns at each elevation.".into(),
+            format!("Patches of {side}² nodes with all terrain around them, {} azimuths.", encodings::AZIMUTHS),
+        ],
+        plots: Vec::new(),
+        tables: Vec::new(),
         pictures: Vec::new(),
-    })
+    };
+    let usual = if options.quick && only.is_empty() { &ENCODED[..2] } else { &ENCODED[..] };
+    let names = usual.iter().filter(|name| only.is_empty() || only.iter().any(|only| only == *name));
+    for name in names {
+        let Some(scene) = encoded(name, options)? else {
+            report.notes.push(format!("{name}: skipped, its elevation models are in none of the data folders."));
+            continue;
+        };
+        let scene = scene.cut(if FILED.contains(name) { FILED_SIDE } else { side });
+        if !options.quick && FILED.contains(name) {
+            encodings::measure_files(&scene, &mut tables, progress)?;
+        }
+        encodings::measure(&scene.cut(side), &mut tables, progress)?;
+        encodings::summarise(&mut tables);
+        report.plots = vec![encodings::plot(&tables)];
+        report.tables = tables.in_order();
+        partial(&report)?;
+    }
+    Ok(report)
 }
 
 fn beside_grass(
@@ -151,17 +173,24 @@ fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Erro
     Ok(scenes)
 }
 
-/// Patches on which every encoding is tried.
-fn patches(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
-    let side = if options.quick { 96 } else { 256 };
-    notes.push(format!("Encodings: patches of {side}² nodes with all terrain around them, {} azimuths.", 360));
-    let mut scenes = vec![Scene::synthetic(1024, 1)?, Scene::fractal(512, 2)?];
-    if !options.quick {
-        scenes.extend([Scene::smooth(512, 3), Scene::blocks(512, 4), Scene::peaks(512, 5)]);
-        scenes.extend(Scene::connecting_ridge(&options.data)?);
-        scenes.extend(Scene::south_cap(&options.data)?);
-    }
-    Ok(scenes.into_iter().map(|scene| scene.cut(side)).collect())
+/// Terrains on which every encoding is tried; the first two are those of a quick run.
+pub const ENCODED: [&str; 7] = ["cratered", "fractal", "smooth", "blocks", "peaks", "ridge", "cap"];
+
+/// Those of which files are measured as well, on patches of so many nodes.
+const FILED: [&str; 2] = ["cratered", "ridge"];
+const FILED_SIDE: usize = 512;
+
+/// One of them; `None` where its models are absent.
+fn encoded(name: &str, options: &Options) -> Result<Option<Scene>, Error> {
+    Ok(Some(match name {
+        "cratered" => Scene::synthetic(1024, 1)?,
+        "fractal" => Scene::fractal(512, 2)?,
+        "smooth" => Scene::smooth(512, 3),
+        "blocks" => Scene::blocks(512, 4),
+        "peaks" => Scene::peaks(512, 5),
+        "ridge" => return Scene::connecting_ridge(&options.data),
+        _ => return Scene::south_cap(&options.data),
+    }))
 }
 
 struct Tables {

@@ -203,7 +203,7 @@ impl Accumulator {
         let (levels, fields) = match self.encoding.family() {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
-            Family::Fields if self.encoding.pages().len() == 1 => equal::page(self.encoding, &self.groups),
+            Family::Fields if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
             Family::Fields => water::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);

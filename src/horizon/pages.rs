@@ -1,8 +1,8 @@
 //! A map's texels as pages of whole numbers.
 //!
 //! A page is one of the [`super::numbers`] of all texels of a level, less the least of them, as an image of 8- or 16-bit unsigned
-//! numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal predictor leaves are
-//! small and deflate packs them.
+//! numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal predictor leaves of half floats are
+//! small and deflate packs them. Fields are what coarser pages leave and are stored as they are.
 //!
 //! The last page holds the codes of [`super::bound`].
 //!

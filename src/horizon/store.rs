@@ -23,14 +23,16 @@ use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::fit::water;
 use super::georeference;
+use super::method::Method;
 use super::pack::{Encoding, Family, HorizonMap, encoding};
 use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
+use super::sweep;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 
 const FORMAT: &str = "perilune horizon tile";
 
@@ -57,8 +59,9 @@ impl Key {
         if encoding.family() == Family::Fields {
             hash.update([water::REVISION]);
         }
-        if !settings.method.is_default() {
-            hash.update(format!("{:?}", settings.method));
+        match settings.method {
+            Method::Sweep => hash.update([sweep::REVISION]),
+            other => hash.update(format!("{other:?}")),
         }
         if let Some(Band { towards, reach_rad }) = settings.band {
             hash.update(b"band");
@@ -242,12 +245,13 @@ fn write_pages(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Err
 }
 
 fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
-    let mut file = TiffEncoder::new(file)?
-        .with_compression(Compression::Deflate(DeflateLevel::Best))
-        .with_predictor(Predictor::Horizontal);
+    let mut file = TiffEncoder::new(file)?.with_compression(Compression::Deflate(DeflateLevel::Best));
     let header = Header { pages: pages::pages(map).map(|page| page.header).collect(), ..header.clone() };
     let description = serde_json::to_string(&header).expect("a header is plain data");
     for (index, page) in pages::pages(map).enumerate() {
+        // Fields are differences from coarser pages already.
+        let is_residual = page.header.field.is_some();
+        file = file.with_predictor(if is_residual { Predictor::None } else { Predictor::Horizontal });
         page.write(&mut file, |tags| {
             if index == 0 {
                 tags.write_tag(Tag::ImageDescription, description.as_str())?;

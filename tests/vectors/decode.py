@@ -38,15 +38,16 @@ def directories(data):
 
 def rows_up(data, tags):
     """The whole numbers of a page, first row at the bottom of the map."""
-    assert tags[259] == (8,) and tags[317] == (2,), "deflate and the horizontal predictor"
+    assert tags[259] == (8,), "deflate"
+    is_predicted = tags.get(317, (1,)) == (2,)
     width, bits = tags[256][0], tags[258][0]
     packed = b"".join(zlib.decompress(data[o : o + n]) for o, n in zip(tags[273], tags[279]))
     numbers = struct.unpack(f"<{len(packed) * 8 // bits}{ {8: 'B', 16: 'H'}[bits] }", packed)
     rows = []
     for start in range(0, len(numbers), width):
         row, value = [], 0
-        for difference in numbers[start : start + width]:
-            value = (value + difference) % (1 << bits)
+        for number in numbers[start : start + width]:
+            value = (is_predicted * value + number) % (1 << bits)
             row.append(value)
         rows.append(row)
     return rows[::-1]
@@ -64,7 +65,7 @@ class Tile:
         pages = list(directories(data))
         self.header = json.loads(pages[0][270].rstrip(b"\0"))
         assert self.header["format"] == "perilune horizon tile"
-        assert self.header["format_version"] == 2
+        assert self.header["format_version"] == 3
         self.pages = [(page, rows_up(data, tags)) for page, tags in zip(self.header["pages"], pages)]
 
     def value(self, page, number):

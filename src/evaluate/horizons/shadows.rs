@@ -76,6 +76,8 @@ pub struct ShadowErrors {
     pub wrong: f64,
     /// Of the visible share of the disc, where either sees a part of it.
     pub penumbra: Errors,
+    /// RMS of the same where the truth sees a part of the disc: the same samples whatever is tried.
+    pub true_penumbra_rms: f64,
     /// Mean and RMS of the same over all samples.
     pub mean: f64,
     pub rms: f64,
@@ -100,7 +102,7 @@ where
     };
     // Wrong ones, errors in the penumbra, and of wholly lit ones that are wholly dark, or the other way round.
     let of_some = |(truth, tried): (&Vec<T>, &Vec<T>)| {
-        let (mut wrong, mut partial, mut whole) = (0_usize, Vec::new(), [0.0; 2]);
+        let (mut wrong, mut partial, mut whole, mut penumbra) = (0_usize, Vec::new(), [0.0; 2], [0.0; 2]);
         for (truth, tried) in truth.iter().zip(tried) {
             let [truth_rad, tried_rad] = [*truth, *tried].map(|horizon_rad| horizon_rad.into() - sun_rad);
             wrong += usize::from((truth_rad < 0.0) != (tried_rad < 0.0));
@@ -109,22 +111,27 @@ where
                 true if (truth_rad < 0.0) == (tried_rad < 0.0) => continue,
                 _ => seen(tried_rad) - seen(truth_rad),
             };
+            if truth_rad.abs() < radius_rad {
+                penumbra = [penumbra[0] + 1.0, penumbra[1] + error * error];
+            }
             if sure {
                 whole = [whole[0] + error, whole[1] + error * error];
             } else {
                 partial.push(error);
             }
         }
-        (wrong, partial, whole)
+        (wrong, partial, whole, penumbra)
     };
     let found: Vec<_> = truth.par_iter().zip(tried).map(of_some).collect();
     let count = truth.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-    let penumbra = Errors::of(found.iter().flat_map(|(_, partial, _)| partial).copied());
-    let whole = |moment: usize| found.iter().map(|(.., whole)| whole[moment]).sum::<f64>();
+    let penumbra = Errors::of(found.iter().flat_map(|(_, partial, ..)| partial).copied());
+    let whole = |moment: usize| found.iter().map(|(_, _, whole, _)| whole[moment]).sum::<f64>();
+    let [count_in_penumbra, squares] = [0, 1].map(|i| found.iter().map(|(.., penumbra)| penumbra[i]).sum::<f64>());
     let partial = penumbra.count as f64;
     Ok(ShadowErrors {
         wrong: found.iter().map(|(wrong, ..)| wrong).sum::<usize>() as f64 / count,
         mean: (whole(0) + partial * penumbra.mean) / count,
+        true_penumbra_rms: (squares / count_in_penumbra.max(1.0)).sqrt(),
         rms: ((whole(1) + partial * penumbra.rms * penumbra.rms) / count).sqrt(),
         penumbra,
     })

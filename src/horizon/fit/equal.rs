@@ -1,48 +1,71 @@
-//! Every coefficient at full resolution in equal steps: little of it is left after prediction, and deflate packs that.
+//! Every coefficient in equal steps over a pyramid: most codes of the fine page are 0, and deflate packs those.
+//!
+//! From the coarsest page to the finest, what the coarser pages leave of the coefficients' box means is rounded:
 //!
 //! ```text
-//! c ≈ step_c · code      step of a₀ = step/√2, of all others = step
+//! r_s = mean over the box of c − Σ coarser pages at the box's centre      r_s ≈ step_s · code
+//! step of the finest page = step, of a₀ step/√2; of all coarser pages half of that
 //! ```
 //!
 //! A uniform quantiser with equal steps before an entropy coder is, but for a quarter of a bit a number, the best that there is
 //! for a mean square error (reverse water-filling: every coefficient errs by the same `step²/12`, and those that are below it cost
-//! nothing); the mean square over azimuths weighs `a₀` by 1 and all others by 1/2. It is then `16 step²/12` for fifteen harmonics.
+//! nothing); the mean square over azimuths weighs `a₀` by 1 and all others by 1/2. Where ground is smooth the finest codes vanish and the
+//! coarser pages' errors remain: three quarters of their numbers are those of the next page, so that half steps cost little there. On 96²
+//! nodes of cratered highland and of the connecting ridge, in bytes of deflate a node at one RMS error (numerical experiment): differences
+//! of neighbours at full resolution 7.6 and 8.2, the pyramid with equal steps 6.2 and 7.5, with half steps on coarse pages 5.4 and 7.0.
 //!
 //! Fields have as many bits as their largest code needs, so that nothing is clipped. Where all of them do not fit into a
-//! texel, the steps grow by octaves' eighths until they do.
+//! texel, the page's steps grow by octaves' eighths until they do.
 //!
 //! # References
-//! Gish & Pierce (1968), *Asymptotically efficient quantizing*, doi:10.1109/TIT.1968.1054193.
+//! Gish & Pierce (1968), *Asymptotically efficient quantizing*, doi:10.1109/TIT.1968.1054193. Burt & Adelson (1983), *The
+//! Laplacian pyramid as a compact image code*, doi:10.1109/TCOM.1983.1095851.
 
 use std::f32::consts::SQRT_2;
 
 use rayon::prelude::*;
 
-use super::water::{Means, Residual, place, quantise, row_of};
+use super::Group;
+use super::water::{Means, Residual, box_means, place, quantise};
 use crate::horizon::pack::{Encoding, Field, Texels};
 
-/// Of all coefficients but the mean: 0.069°. With fifteen harmonics the skyline errs by 1.4 mrad.
-const STEP_RAD: f32 = 1.2e-3;
+/// Of all coefficients but the mean on the finest page: 0.10°. With fifteen harmonics skylines err about as those of `fm16`.
+const STEP_RAD: f32 = 1.8e-3;
+/// Steps of coarser pages, as a share.
+const COARSE_STEP: f32 = 0.5;
 
-/// Texels and fields for coefficients at full resolution.
-pub fn page(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>>) {
-    let page = encoding.pages()[0];
+/// Texels and fields of the pyramid for coefficients at full resolution.
+pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>>) {
     let reals: usize = sums.iter().map(|group| group.reals).sum();
-    let ranges: Vec<[f32; 2]> = (0..reals).into_par_iter().map(|real| range(sums, real)).collect();
-    let steps = (0..).map(|eighths: i32| STEP_RAD * (eighths as f32 / 8.0).exp2());
-    let fields = steps.into_iter().find_map(|step_rad| fields(&ranges, step_rad, page.words));
-    let fields = fields.expect("steps grow until no coefficient needs a code");
-    let (texels, _) = quantise(&Residual { reals, means: sums, coarser: &[] }, &fields, page, false);
-    (vec![texels], vec![fields])
+    let (mut levels, mut all_fields, mut coarser) = (Vec::new(), Vec::new(), Vec::<Group>::new());
+    for (index, page) in encoding.pages().into_iter().enumerate().rev() {
+        let boxed: Vec<Group>;
+        let (means, step_rad) = if index == 0 {
+            (sums, STEP_RAD)
+        } else {
+            boxed = sums.iter().map(|group| box_means(group, page.scale)).collect();
+            (boxed.as_slice(), COARSE_STEP * STEP_RAD)
+        };
+        let residual = Residual { reals, means, coarser: &coarser };
+        let ranges: Vec<[f32; 2]> = (0..reals).into_par_iter().map(|real| range(&residual, real)).collect();
+        let steps = (0..).map(|eighths: i32| step_rad * (eighths as f32 / 8.0).exp2());
+        let fields = steps.into_iter().find_map(|step_rad| fields(&ranges, step_rad, page.words));
+        let fields = fields.expect("steps grow until no coefficient needs a code");
+        let (level, decoded) = quantise(&residual, &fields, page, index > 0);
+        levels.insert(0, level);
+        all_fields.insert(0, fields);
+        coarser.extend(decoded);
+    }
+    (levels, all_fields)
 }
 
 /// Least and largest value of a coefficient.
-fn range(sums: &Means, real: usize) -> [f32; 2] {
+fn range(residual: &Residual, real: usize) -> [f32; 2] {
+    let mut line = vec![0.0; residual.means[0].columns];
     let mut range = [f32::MAX, f32::MIN];
-    for row in 0..sums[0].rows {
-        for value in row_of(sums, row, real).iter() {
-            range = [range[0].min(*value), range[1].max(*value)];
-        }
+    for row in 0..residual.means[0].rows {
+        residual.row(row, real, &mut line);
+        range = line.iter().fold(range, |[low, high], value| [low.min(*value), high.max(*value)]);
     }
     range
 }
@@ -74,9 +97,13 @@ fn fields(ranges: &[[f32; 2]], step_rad: f32, words: usize) -> Option<Vec<Field>
 
 #[cfg(test)]
 mod tests {
-    use super::super::Group;
     use super::super::sums::Sums;
     use super::*;
+    use crate::horizon::HorizonMap;
+    use crate::horizon::bound::Bounds;
+    use crate::horizon::error::TileErrors;
+    use crate::horizon::pack::Horizon;
+    use glam::DVec2;
 
     /// Coefficients of falling size, one of them constant, one 0.
     fn group(size_rad: f32) -> Group {
@@ -98,17 +125,22 @@ mod tests {
     fn no_coefficient_errs_by_more_than_half_a_step() {
         for (size_rad, largest_step_rad) in [(0.3, STEP_RAD), (30.0, 64.0 * STEP_RAD)] {
             let group = group(size_rad);
-            let (levels, fields) = page(Encoding::Q, std::slice::from_ref(&group));
-            assert!(fields[0].iter().all(|field| field.real != 1 && field.step_rad <= largest_step_rad));
+            let (levels, fields) = pyramid(Encoding::Q, std::slice::from_ref(&group));
+            assert!(fields.iter().flatten().all(|field| field.real != 1));
             let step_rad = fields[0].iter().fold(0.0, |step_rad: f32, field| step_rad.max(field.step_rad));
             // Steps are those asked for where they fit, and larger where they do not.
             assert_eq!(step_rad == STEP_RAD, size_rad < 1.0, "{step_rad}");
-            for field in &fields[0] {
-                for row in 0..group.rows {
-                    for (column, expected) in group.row(row, field.real).iter().enumerate() {
-                        let got = field.value_rad(field.code(levels[0].texel(column, row)));
+            assert!(step_rad <= largest_step_rad);
+            let (columns, rows) = (group.columns, group.rows);
+            let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
+            let map = HorizonMap { encoding: Encoding::Q, columns, rows, levels, fields, errors, bounds };
+            for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+                let Horizon::Series(series) = map.horizon(DVec2::new(column as f64, row as f64)) else { panic!() };
+                for (k, [a, b]) in (1..).zip(&series.harmonics_rad) {
+                    for (real, got) in [(2 * k, a), (2 * k + 1, b)] {
+                        let expected = f64::from(group.row(row, real)[column]);
                         // Half a step, and rounding of a hundred times as much in f32.
-                        assert!((got - expected).abs() <= 0.501 * field.step_rad, "{} {got} {expected}", field.real);
+                        assert!((got - expected).abs() <= 0.501 * f64::from(step_rad), "{real} {got} {expected}");
                     }
                 }
             }

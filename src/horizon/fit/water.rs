@@ -56,7 +56,7 @@ struct Choice {
 pub(super) type Means = [Group];
 
 /// One coefficient over a row of texels.
-pub(super) fn row_of(means: &Means, row: usize, real: usize) -> Cow<'_, [f32]> {
+fn row_of(means: &Means, row: usize, real: usize) -> Cow<'_, [f32]> {
     let reals = means[0].reals;
     means[real / reals].row(row, real % reals)
 }
@@ -109,7 +109,7 @@ fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
 }
 
 /// Means over boxes of `scale²` texels, as far as they lie in the map.
-fn box_means(sums: &Group, scale: usize) -> Group {
+pub(super) fn box_means(sums: &Group, scale: usize) -> Group {
     let (columns, rows) = (sums.columns.div_ceil(scale), sums.rows.div_ceil(scale));
     let mut means = vec![0.0; columns * rows * sums.reals];
     means.par_chunks_mut(columns * sums.reals).enumerate().for_each(|(row, means)| {
@@ -136,7 +136,7 @@ pub(super) struct Residual<'a> {
 
 impl Residual<'_> {
     /// One coefficient over a row of texels.
-    fn row(&self, row: usize, real: usize, residual: &mut [f32]) {
+    pub fn row(&self, row: usize, real: usize, residual: &mut [f32]) {
         residual.copy_from_slice(&row_of(self.means, row, real));
         let scale = self.means[0].scale;
         for page in self.coarser {

@@ -38,7 +38,7 @@ pub enum Encoding {
     W16,
     /// The same in four words: 21.25 bytes.
     W21,
-    /// 16 complex coefficients in equal steps at full resolution: 32 bytes; its planes compress well where ground is smooth.
+    /// A pyramid of 15 harmonics in equal steps: 42.5 bytes; its planes compress well, for small files.
     Q,
 }
 
@@ -151,7 +151,7 @@ impl Encoding {
             Self::W11 => pyramid(2),
             Self::W16 => pyramid(3),
             Self::W21 => pyramid(4),
-            Self::Q => vec![Page { scale: 1, words: 8 }],
+            Self::Q => pyramid(8),
         }
     }
 
