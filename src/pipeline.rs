@@ -12,6 +12,7 @@ pub mod auto;
 mod camera_record;
 mod check;
 mod craters;
+mod domain;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
@@ -149,6 +150,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
+    domain::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
 

@@ -53,9 +53,12 @@ pub fn run(args: Args) -> Outcome {
         let messages: Vec<Json> = problems.iter().map(|message| json!({ "message": message })).collect();
         let report = json!({
             "path": scenario.path, "exposures": scenario.images(),
-            "over_terrain": checked.over_terrain, "problems": messages,
+            "over_terrain": checked.over_terrain, "problems": messages, "warnings": checked.warnings,
         });
         say(format_args!("{report:#}"))?;
+    }
+    if !args.json {
+        checked.warnings.iter().try_for_each(|warning| say(format_args!("{path}: warning: {warning}")))?;
     }
     if !problems.is_empty() {
         return Err(Problems(problems.into_iter().map(|problem| format!("{path}: {problem}")).collect()).into());

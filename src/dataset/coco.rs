@@ -1,8 +1,9 @@
 //! Craters of all images as one COCO file, and as the table of NASA's crater detection challenge.
 //!
 //! A mask holds the image's pixels whose centres lie in the ellipse, seen or hidden, as run lengths down the columns; the box is
-//! the mask's, counted from the outer corner of the first pixel, as COCO does. An ellipse that holds no pixel has no annotation. `ellipse` is `[cx, cy, a, b, theta]` in pixels and radians, from right towards down, and
-//! `conic` a matrix, both for the centre of the first pixel at (0, 0), as in the landmarks' files; so is the table.
+//! the mask's, counted from the outer corner of the first pixel, as COCO does. An ellipse that holds no pixel has no annotation.
+//! `ellipse` is `[cx, cy, a, b, theta]` in pixels and radians, from right towards down, and `conic` a matrix, both for the centre
+//! of the first pixel at (0, 0), as in the landmarks' files; so is the table.
 //!
 //! The challenge asks for the crispness of a rim, 0 (A) to 4 (C): fifths of the degradation `κt/R²` from 0 to 0.6, where all but
 //! nothing of the crater is left; −1 where the list does not tell.
@@ -60,6 +61,8 @@ fn annotation(id: usize, image: usize, file: &LandmarkFile, landmark: &Landmark)
         "crater": landmark.id,
         "diameter_px": landmark.diameter_px,
         "diameter_m": landmark.diameters_m[0],
+        "degradation": landmark.degradation,
+        "buried": landmark.buried,
         "incidence_deg": landmark.incidence_deg,
         "occluded": landmark.occluded,
         "in_shadow": landmark.in_shadow,

@@ -38,18 +38,25 @@ pub fn compressed(channels: &[&[f32]], columns: usize, rows: usize) -> Vec<(usiz
 }
 
 fn lines(channels: &[&[f32]], columns: usize, rows: std::ops::Range<usize>) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(rows.len() * channels.len() * columns * size_of::<f32>());
-    for row in rows {
-        for channel in channels {
-            bytes.extend(channel[row * columns..][..columns].iter().flat_map(|value| value.to_le_bytes()));
-        }
+    const BYTES: usize = size_of::<f32>();
+    let mut bytes = vec![0; rows.len() * channels.len() * columns * BYTES];
+    let lines = rows.flat_map(|row| channels.iter().map(move |channel| &channel[row * columns..][..columns]));
+    for (to, line) in bytes.chunks_exact_mut(columns * BYTES).zip(lines) {
+        to.chunks_exact_mut(BYTES).zip(line).for_each(|(to, value)| to.copy_from_slice(&value.to_le_bytes()));
     }
     bytes
 }
 
 /// Bytes at even places before those at odd places, each but the first as the difference from the one before.
 fn differences(bytes: &[u8]) -> Vec<u8> {
-    let parted: Vec<u8> = [0, 1].iter().flat_map(|first| bytes[*first..].iter().step_by(2)).copied().collect();
-    let difference = |pair: &[u8]| pair[1].wrapping_sub(pair[0]).wrapping_add(128);
-    parted.iter().take(1).copied().chain(parted.windows(2).map(difference)).collect()
+    let mut parted = vec![0; bytes.len()];
+    let (evens, odds) = parted.split_at_mut(bytes.len() / 2);
+    for ((even, odd), pair) in evens.iter_mut().zip(odds).zip(bytes.chunks_exact(2)) {
+        (*even, *odd) = (pair[0], pair[1]);
+    }
+    let mut differences = parted.clone();
+    for (difference, pair) in differences.iter_mut().skip(1).zip(parted.windows(2)) {
+        *difference = pair[1].wrapping_sub(pair[0]).wrapping_add(128);
+    }
+    differences
 }

@@ -23,10 +23,12 @@ use super::band::Band;
 use super::error::{Error, TileErrors};
 use super::fit::water;
 use super::georeference;
+use super::method::Method;
 use super::pack::{Encoding, Family, HorizonMap, encoding};
 use super::pages::{self, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
+use super::sweep;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
@@ -57,8 +59,9 @@ impl Key {
         if encoding.family() == Family::Fields {
             hash.update([water::REVISION]);
         }
-        if !settings.method.is_default() {
-            hash.update(format!("{:?}", settings.method));
+        match settings.method {
+            Method::Sweep => hash.update([sweep::REVISION]),
+            other => hash.update(format!("{other:?}")),
         }
         if let Some(Band { towards, reach_rad }) = settings.band {
             hash.update(b"band");

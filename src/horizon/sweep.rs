@@ -58,6 +58,9 @@ use profile::Profile;
 use ray::Ray;
 use wide::{Registers, prefetch, widest};
 
+/// Changes with the last digits of what is found: a tile that was kept is not taken for what would be made today.
+pub const REVISION: u8 = 2;
+
 /// Major steps of the exact near field.
 pub const NEAR: usize = 16;
 /// Near slopes that may be this much too low are searched again: 0.01°.

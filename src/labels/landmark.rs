@@ -81,18 +81,31 @@ pub struct Landmark {
     pub floor_lit_share: f64,
 }
 
+/// Which craters an image lists.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// Longest diameters in the image.
+    pub smallest_px: f64,
+    pub largest_px: f64,
+    /// `κt/R²`; a crater of which it is not known is wanted.
+    pub most_degraded: f64,
+}
+
 /// The landmarks of a view, in the order of the craters.
 pub fn landmarks(
     scene: &Scene,
     view: &View,
     shadow: Option<&dyn Shadow>,
     craters: &[(Crater, Rim)],
-    smallest_px: f64,
+    wanted: &Wanted,
 ) -> Vec<Landmark> {
     let landmark = |(crater, rim): &(Crater, Rim)| {
+        if crater.degradation.is_some_and(|worn| worn > wanted.most_degraded) {
+            return None;
+        }
         let (ellipse, lens_misfit_px) = project(scene, view, rim)?;
-        let seen = 2.0 * ellipse.semi_axes_px[0] >= smallest_px && meets_image(scene, &ellipse);
-        if !seen {
+        let sizes_px = wanted.smallest_px..=wanted.largest_px;
+        if !sizes_px.contains(&(2.0 * ellipse.semi_axes_px[0])) || !meets_image(scene, &ellipse) {
             return None;
         }
         let toward = |place: Position<BodyFixed>| rim.centre.direction_to(place);

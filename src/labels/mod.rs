@@ -30,6 +30,6 @@ pub use crater::{Crater, Origin, without_repeats};
 pub use flow::Flow;
 pub use hazard::{Footprint, Hazards, Limits, footprint, footprint_in_space};
 pub use invented::{Invented, invented, invented_height_m};
-pub use landmark::{Landmark, landmarks};
+pub use landmark::{Landmark, Wanted, landmarks};
 pub use planes::{Sequence, need_light, planes};
 pub use rim::Rim;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Error, Progress, body_frame, globe, ground, kernels, motion, points, scene, sequence, swath};
+use super::{Error, Progress, body_frame, domain, globe, ground, kernels, motion, points, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
@@ -14,6 +14,8 @@ use crate::terrain::{Surface, Terrain};
 #[derive(Debug, Default)]
 pub struct Checked {
     pub problems: Vec<Error>,
+    /// What the images will not be, though they will be made.
+    pub warnings: Vec<String>,
     /// Whether poses were held against the terrain: not where it is synthetic and not made yet, or cannot be read.
     pub over_terrain: bool,
 }
@@ -39,6 +41,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
+    checked.warnings = domain::warnings(scenario, ground.as_ref().map(|ground| &ground.surface));
     let loaded = Almanac::load(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));

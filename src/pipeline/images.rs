@@ -135,7 +135,7 @@ fn exposure(
     let facts = record::facts(prepared, scene, run, index, &image, &shot);
     let on_map = point.outputs.formats.contains(&Format::GeoTiff);
     let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
-    let wanted = point.landmarks.as_ref();
-    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, shadow, craters, wanted.smallest_px));
+    let wanted = point.landmarks.as_ref().map(|landmarks| &landmarks.wanted);
+    let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, shadow, craters, wanted));
     Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage })
 }

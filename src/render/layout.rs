@@ -184,7 +184,7 @@ impl MapFace {
     }
 }
 
-/// A ball that holds a map's ground.
+/// A ball that holds a map's ground, which is one of the body's about its centre unless it stands alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
     middle: Position<BodyFixed>,
@@ -197,12 +197,15 @@ const CONE_SLACK_RAD: f64 = 1e-3;
 const ALL_DIRECTIONS: [f32; 4] = [0.0, 0.0, 0.0, -1.0];
 
 impl Ball {
-    /// Around what is seen of a face: a box of lifted space is the hull of its corners in space too.
-    pub fn about(face: &Face) -> Self {
+    /// Around what is seen of a face, and the bare body there: a box of lifted space is the hull of its corners in space too.
+    pub fn about(body: &Body, face: &Face) -> Self {
         let heights_m = face.levels.iter().flat_map(|level| &level.heights_m).map(|height_m| f64::from(*height_m));
         let (lowest_m, highest_m) =
             heights_m.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
         let (low, high) = face.levels.last().map_or((DVec2::ZERO, DVec2::ZERO), Level::seen_m);
+        let farthest = low.abs().max(high.abs());
+        let lowest_m = lowest_m.min(face.map.lifted_height_m(farthest, body.polar_radius_m));
+        let highest_m = highest_m.max(face.map.lifted_height_m(DVec2::ZERO.clamp(low, high), body.equatorial_radius_m));
         let corner = |i: usize| {
             let pick = |bit: usize, low: f64, high: f64| if i & bit == 0 { low } else { high };
             let lifted = DVec3::new(pick(1, low.x, high.x), pick(2, low.y, high.y), pick(4, lowest_m, highest_m));
@@ -218,7 +221,7 @@ impl Ball {
     fn cone(&self, view: &View) -> [f32; 4] {
         let towards_m = view.camera_from_body.turn(self.middle.vector_m() - view.camera_position.vector_m());
         let distance_m = towards_m.length();
-        if !(distance_m > self.radius_m) {
+        if distance_m <= self.radius_m {
             return ALL_DIRECTIONS;
         }
         let half_rad = (self.radius_m / distance_m).asin() + CONE_SLACK_RAD;

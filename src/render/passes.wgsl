@@ -120,9 +120,19 @@ fn body_direction(camera_d: vec3f) -> vec3f {
     );
 }
 
+// The first map from `from_face` on that a ray (camera axes) may meet; `FACES`: none. Apart from the walk over that map, for devices
+// that run through code that none of their rays need.
+fn next_face(from_face: u32, camera_d: vec3f) -> u32 {
+    var face = from_face;
+    while face < FACES && dot(map_faces[face].cone.xyz, camera_d) < map_faces[face].cone.w {
+        face++;
+    }
+    return face;
+}
+
 fn first_hit(camera_d: vec3f, body_d: vec3f, start_m: f32) -> SurfaceHit {
     var nearest = no_hit();
-    for (var face = 0u; face < FACES; face++) {
+    for (var face = next_face(0u, camera_d); face < FACES; face = next_face(face + 1u, camera_d)) {
         let hit = hit_face(face, camera_d, start_m);
         if hit.distance_m < nearest.distance_m {
             nearest = hit;
@@ -131,7 +141,7 @@ fn first_hit(camera_d: vec3f, body_d: vec3f, start_m: f32) -> SurfaceHit {
     let bare_m = bare_distance(view.scaled_camera, body_d / view.radii_m.xyz);
     if bare_m < nearest.distance_m && bare_m >= 0.0 {
         var covered = false;
-        for (var face = 0u; face < FACES && !covered; face++) {
+        for (var face = next_face(0u, camera_d); face < FACES && !covered; face = next_face(face + 1u, camera_d)) {
             let map = map_faces[face];
             covered = is_covered(map, map.camera_m.xyz + bare_m * map_direction(map, camera_d));
         }

@@ -8,7 +8,7 @@ use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Out
 use super::spec::{self, Spec};
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::dataset::Format;
-use crate::labels::Limits;
+use crate::labels::{Limits, Wanted};
 use crate::render::Quantity;
 
 /// 8192²: one float plane of it takes 256 MiB.
@@ -271,7 +271,9 @@ pub fn landmarks(spec: &Spec, camera: &Camera, check: &mut Check) -> Option<Land
         }
     };
     let lists = written.lists.iter().enumerate().map(list).collect();
-    Some(Landmarks { lists, smallest_px: written.smallest_px, overlay: written.overlay })
+    let &spec::Landmarks { smallest_px, largest_px, most_degraded, overlay, .. } = written;
+    check.needs(smallest_px < largest_px, "landmarks.largest_px", "must be more than smallest_px");
+    Some(Landmarks { lists, wanted: Wanted { smallest_px, largest_px, most_degraded }, overlay })
 }
 
 pub fn hazards(written: &spec::Hazards) -> Limits {

@@ -107,7 +107,7 @@ impl Check<'_> {
         match self.places.find(name) {
             Found::Directory(path) => path,
             Found::File(_) => {
-                self.report(key, Fault::Needs("a folder".into()));
+                self.report(key, Fault::Needs("must be a folder".into()));
                 PathBuf::new()
             }
             nowhere => self.found(key, name, nowhere),

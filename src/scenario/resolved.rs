@@ -10,6 +10,7 @@ use super::sweep::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::labels::Wanted;
 use crate::photometry::Curve;
 use crate::render::ViewRays;
 
@@ -323,7 +324,7 @@ impl Camera {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landmarks {
     pub lists: Vec<CraterList>,
-    pub smallest_px: f64,
+    pub wanted: Wanted,
     pub overlay: bool,
 }
 

@@ -98,7 +98,11 @@ fn finest_first(dems: &[Dem], check: &mut Check) {
         let key = format!("terrain.dems[{index}]");
         let is_last = index + 1 == dems.len();
         check.needs(is_last || !matches!(dem, Dem::Cube { .. }), &key, "covers the whole body, so it must be the last");
-        check.needs(dems.len() == 1 || !matches!(dem, Dem::Globe(_)), &key, "to be the only model: it has all levels");
+        check.needs(
+            dems.len() == 1 || !matches!(dem, Dem::Globe(_)),
+            &key,
+            "must be the only model: it has all levels",
+        );
         let Some(posting_m) = posting_m(dem) else { continue };
         if let Some((earlier, earlier_m)) = finer {
             let rule = format!("is not coarser than the {earlier_m} m of dems[{earlier}]; the finest comes first");
@@ -153,9 +157,13 @@ pub fn lights_of_globe(spec: &Spec, check: &mut Check) {
     use spec::Shadows;
     let without_maps =
         !spec.shadows.need_maps() && !matches!(spec.shadows, Shadows::Off | Shadows::Preset(_) | Shadows::Auto { .. });
-    check.needs(!without_maps, "shadows", "to be Fourier, Baked, Series, Preset, Auto or Off over a Globe");
-    check.needs(!spec.refine, "refine", "other terrain than a Globe, beyond whose tiles no ray is traced");
-    check.needs(spec.bounce.is_none(), "bounce", "other terrain than a Globe, beyond whose tiles no light is followed");
+    check.needs(!without_maps, "shadows", "must be Fourier, Baked, Series, Preset, Auto or Off over a Globe");
+    check.needs(!spec.refine, "refine", "needs other terrain than a Globe, beyond whose tiles no ray is traced");
+    check.needs(
+        spec.bounce.is_none(),
+        "bounce",
+        "needs other terrain than a Globe, beyond whose tiles no light is followed",
+    );
 }
 
 pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {

@@ -24,6 +24,12 @@
 //! disc. Behind a ridge the RMS error is 5.9°, 3.6°, 1.5°, 0.45° for `k = o` = 1, 2, 4, 8
 //! (`tests/reference/render/methods.rs`).
 //!
+//! # No twin for devices
+//! Fields of nodes are found on the host for every adapter, once while the lights stand still, and the sky's shares once a
+//! scene; an image then costs what any field costs. In WGSL this would pay where a light moves from image to image on a
+//! hardware adapter, and there another method is due: in one run on cratered ground (384² at 20 m, Sun 4° high) the field took
+//! 11 times as long as `SingleAzimuth`'s and its RMS error was 0.009 of full Sun against 0.0008.
+//!
 //! # References
 //! Snyder & Nowrouzezahrai (2008), Fast soft self-shadowing on dynamic height fields, Computer Graphics Forum 27(4).
 

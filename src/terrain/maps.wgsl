@@ -12,7 +12,7 @@ struct MapFace {
     quotient: vec4f,
     // Seen part of the outermost level: west, south, east, north.
     bounds_m: vec4f,
-    // Towards its ground in camera axes; w is the least cosine with that.
+    // Towards its ground, and the bare body there, in camera axes; w is the least cosine with that.
     cone: vec4f,
     first_level: u32,
     levels: u32,

@@ -292,10 +292,6 @@ fn leaves_below_sphere(face: MapFace, ray: LiftedRay) -> bool {
 
 // The first meeting of a ray (camera axes) with the maps' ground, which is not nearer than `start_m`.
 fn hit_face(index: u32, camera_d: vec3f, start_m: f32) -> SurfaceHit {
-    let cone = map_faces[index].cone;
-    if dot(cone.xyz, camera_d) < cone.w {
-        return no_hit();
-    }
     let face = map_faces[index];
     let d = map_direction(face, camera_d);
     var ray = lifted_ray(face, d);

@@ -452,6 +452,12 @@ const MEANING: &[Case] = &[
         "3:22: terrain.dems[0] covers the whole body, so it must be the last",
     ),
     Case(
+        "globe beside another model",
+        "File(path: \"dem.tif\")",
+        "Globe(path: \"dem.tif\"), File(path: \"dem.tif\")",
+        "3:22: terrain.dems[0] must be the only model: it has all levels",
+    ),
+    Case(
         "velocity of a camera that stands still",
         "Waypoints(points: [
         (t_s: 0, latitude_deg: -89.5, longitude_deg: 0, height_m: 2000),

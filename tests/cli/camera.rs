@@ -209,6 +209,8 @@ fn a_measured_kernel_is_read_from_numbers_and_from_images() {
 /// The scenario's camera is the ISD's: latitudes and longitudes of its pixels, by a ray and a sphere written here.
 #[test]
 fn a_scenario_takes_camera_and_poses_from_an_isd() {
+    // When a row is exposed, and how far along the flight it looks, in mm of the focal plane.
+    type Row = Box<dyn Fn(f64) -> (f64, f64)>;
     let flight = Flight { speed_m_s: 800.0, twist_rad: 0.2 };
     let middle = PIXELS as f64 / 2.0;
     let mut lines = isd("USGS_ASTRO_LINE_SCANNER_SENSOR_MODEL", &flight, DVec3::X);
@@ -216,8 +218,25 @@ fn a_scenario_takes_camera_and_poses_from_an_isd() {
     let rate_s = 0.025;
     lines["line_scan_rate"] = serde_json::json!([[1.0, -rate_s * middle, rate_s]]);
     lines["detector_center"]["line"] = 0.0.into();
+    let of_line: Row = Box::new(move |row| ((row - middle) * rate_s, 0.0));
     let frame = isd("USGS_ASTRO_FRAME_SENSOR_MODEL", &flight, DVec3::X);
-    for (isd, scans) in [(frame, false), (lines, true)] {
+    let of_frame: Row = Box::new(move |row| (0.0, -(row + 0.5 - middle) * PITCH_MM));
+    // Framelets of eight rows, half a second from each other; an exposure's middle is 10 ms after its start.
+    let (height, delay_s, exposure_s) = (8.0, 0.5, 0.02);
+    let start_s = -0.5 * delay_s * PIXELS as f64 / height;
+    let mut framelets = isd("USGS_ASTRO_PUSH_FRAME_SENSOR_MODEL", &flight, DVec3::X);
+    framelets["detector_center"]["line"] = (height / 2.0).into();
+    framelets["starting_ephemeris_time"] = start_s.into();
+    framelets["exposure_duration"] = exposure_s.into();
+    framelets["interframe_delay"] = delay_s.into();
+    framelets["framelet_height"] = 8.into();
+    let of_framelet: Row = Box::new(move |row| {
+        let framelet = (row / height).floor();
+        let line = row - height * framelet;
+        (start_s + exposure_s / 2.0 + framelet * delay_s, -(line + 0.5 - height / 2.0) * PITCH_MM)
+    });
+    let cameras = [("frame", frame, of_frame), ("lines", lines, of_line), ("framelets", framelets, of_framelet)];
+    for (name, isd, exposed) in cameras {
         let text = scenario("isd: \"isd.json\", samples_per_pixel: 1", "latitude, longitude");
         let trajectory = text.find("trajectory:").unwrap()..text.find("camera:").unwrap();
         let text = text.replace(&text[trajectory], "trajectory: Isd,\n    ");
@@ -229,8 +248,7 @@ fn a_scenario_takes_camera_and_poses_from_an_isd() {
         for index in (0..PIXELS * PIXELS).step_by(97) {
             let (column, row) = ((index % PIXELS) as f64, (index / PIXELS) as f64);
             let across_mm = (column + 0.5 - middle) * PITCH_MM;
-            let (time_s, along_mm) =
-                if scans { ((row - middle) * rate_s, 0.0) } else { (0.0, -(row + 0.5 - middle) * PITCH_MM) };
+            let (time_s, along_mm) = exposed(row);
             let (position, axes) = flight.at(time_s);
             let look = (axes * DVec3::new(along_mm, across_mm, FOCAL_MM)).normalize();
             let b = position.dot(look);
@@ -241,7 +259,7 @@ fn a_scenario_takes_camera_and_poses_from_an_isd() {
             let got = [latitude[index], longitude[index]].map(f64::from);
             // A pixel is 6.6e-4°; f32 keeps 3e-5° of 360.
             let off = (got[0] - expected[0]).hypot((got[1] - expected[1] + 180.0).rem_euclid(360.0) - 180.0);
-            assert!(off < 5e-5, "scans: {scans}, ({column}, {row}): {got:?} {expected:?}");
+            assert!(off < 5e-5, "{name}, ({column}, {row}): {got:?} {expected:?}");
         }
     }
 }

@@ -7,6 +7,15 @@ fn with(keys: &str) -> Run {
     Run::of(&SMALL.replace("    horizon:", &format!("    {keys},\n    horizon:")))
 }
 
+/// What `sim check` prints, with the terrain that a run has made.
+fn checked(run: &Run) -> String {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_sim"));
+    let output =
+        command.arg("check").arg(run.path("small.ron")).arg("--cache").arg(run.path("cache")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
 fn settings(run: &Run) -> serde_json::Value {
     let text = std::fs::read_to_string(run.path("out").join("manifest.json")).unwrap();
     let manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
@@ -16,6 +25,7 @@ fn settings(run: &Run) -> serde_json::Value {
 #[test]
 fn every_method_runs_and_is_written_down() {
     let cases = [
+        ("shadows: Preset(None), view_rays: Hybrid()", "Off"),
         ("shadows: MaximumMipmaps(runs: [5, 5, 5])", "MaximumMipmaps { runs: [5, 5, 5] }"),
         ("shadows: MaximumMipmaps()", "MaximumMipmaps { runs: [] }"),
         (
@@ -33,6 +43,24 @@ fn every_method_runs_and_is_written_down() {
         let run = with(keys);
         run.succeed(&["--frames", "0..1"]);
         assert_eq!(settings(&run)["shadows"], recorded, "{keys}");
+    }
+}
+
+#[test]
+fn a_method_outside_its_domain_is_warned_of() {
+    let cases = [
+        ("shadows: Multiscale()", "smooths skylines over degrees"),
+        ("shadows: SingleAzimuth(edge: Hard)", "no penumbra"),
+        ("shadows: MaximumMipmaps(runs: [2])", "looks 2 postings far"),
+        ("shadows: MaximumMipmaps()", ""),
+        ("shadows: Fourier", ""),
+    ];
+    for (keys, warned) in cases {
+        let run = with(keys);
+        run.succeed(&["--frames", "0..1"]);
+        let told = checked(&run);
+        assert_eq!(told.contains("warning"), !warned.is_empty(), "{keys}: {told}");
+        assert!(told.contains(warned), "{keys}: {told}");
     }
 }
 

@@ -102,6 +102,21 @@ def oem(folder):
     }
 
 
+def aem(folder):
+    from ccsds_ndm.ndm_io import NdmIo
+
+    segment = NdmIo().from_path(folder / "sequence_0000.aem").body.segment[0]
+    state = segment.data.attitude_state[1].quaternion_state
+    q = state.quaternion
+    return {
+        "from": segment.metadata.ref_frame_a,
+        "to": segment.metadata.ref_frame_b,
+        "direction": segment.metadata.attitude_dir.value,
+        "epoch": state.epoch,
+        "q_wxyz": [q.qc, q.q1, q.q2, q.q3],
+    }
+
+
 def coco(folder):
     """Masks, boxes and ellipses of all craters by pycocotools, which knows nothing of ellipses."""
     import contextlib

@@ -136,6 +136,16 @@ fn a_ccsds_reader_reads_the_trajectory() {
     assert!(near(numbers(&told["velocity_km_s"]), km(facts.pose.v_body_fixed_m_s)), "{told}");
 }
 
+#[test]
+fn a_ccsds_reader_reads_the_attitude() {
+    let Some(told) = read("ccsds_ndm", "aem") else { return };
+    let (written, read) = (record().facts.pose.q_wxyz, numbers(&told["q_wxyz"]));
+    assert_eq!((&told["to"], &told["direction"]), (&"CAMERA".into(), &"A2B".into()));
+    // The same turn, whichever sign its quaternion has.
+    let along: f64 = written.iter().zip(&read).map(|(a, b)| a * b).sum();
+    assert!((along.abs() - 1.0).abs() < 1e-12 && read.len() == 4, "{told}");
+}
+
 /// A run whose path and attitude are the messages that another run wrote is that run again. Positions pass through TDB in text
 /// (see above): at 20 m/s along the path and under the Moon's turning of 4.6 m/s 1e-4 s are 2 mm.
 #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec2, DVec3};
 use perilune::camera::{Camera as Optics, Distortion};
 use perilune::geometry::{Body, Direction, Geodetic, Rotation};
-use perilune::labels::{Crater, Ellipse, Landmark, Origin, Rim, landmarks};
+use perilune::labels::{Crater, Ellipse, Landmark, Origin, Rim, Wanted, landmarks};
 use perilune::render::{Scene, Shadows, View, reference};
 use perilune::shadow::Skylines;
 use perilune::terrain::Terrain;
@@ -21,7 +21,8 @@ fn crater(centre: Geodetic, diameters_m: [f64; 2], azimuth_rad: f64) -> Crater {
 fn seen(scene: &Scene, view: &View, crater: &Crater) -> Option<Landmark> {
     let rim = Rim::of(crater, &scene.surface);
     let shadow = reference::shadow(scene, view, &Skylines::default()).unwrap();
-    landmarks(scene, view, shadow.as_deref(), &[(crater.clone(), rim)], 1.0).pop()
+    let wanted = Wanted { smallest_px: 1.0, largest_px: f64::INFINITY, most_degraded: 1.0 };
+    landmarks(scene, view, shadow.as_deref(), &[(crater.clone(), rim)], &wanted).pop()
 }
 
 /// Map point 0, 0 of the scenes' map.
@@ -253,6 +254,16 @@ fn craters_beyond_the_limb_or_beside_the_image_are_not_landmarks() {
     // A crater around the whole image is cut by its edges.
     let around = seen(&narrow, &view, &crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0)).unwrap();
     assert!(around.truncated);
+    // It is larger than the image, and may be worn down further than asked for.
+    let body = Body::moon();
+    let crater = Crater { degradation: Some(0.4), ..crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0) };
+    let rim = Rim::of(&crater, &perilune::terrain::Surface::new(bare(body)));
+    let craters = [(crater, rim)];
+    let listed = |wanted: Wanted| landmarks(&narrow, &view, None, &craters, &wanted).len();
+    let all = Wanted { smallest_px: 1.0, largest_px: around.diameter_px + 1.0, most_degraded: 0.5 };
+    assert_eq!(listed(all), 1);
+    assert_eq!(listed(Wanted { largest_px: around.diameter_px - 1.0, ..all }), 0);
+    assert_eq!(listed(Wanted { most_degraded: 0.3, ..all }), 0);
 }
 
 /// Written from Christian et al. (2021) for one crater, with the matrices spelled out.

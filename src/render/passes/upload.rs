@@ -53,9 +53,9 @@ impl DeviceGround {
         if let Shadows::Traced(_) = scene.shadows {
             return Err(RenderError::TracedOnGpu);
         }
-        let horizons = scene.shadows.maps();
+        let (horizons, terrain) = (scene.shadows.maps(), &scene.surface.terrain);
         let mut store = Store::default();
-        for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
+        for (face, levels) in terrain.faces.iter().enumerate() {
             for level in 0..levels.levels.len() {
                 let horizon = horizons.map(|maps| &maps[face][level]);
                 let albedo = scene.albedo.as_ref().map(|maps| maps[face][level].as_slice());
@@ -87,7 +87,7 @@ impl DeviceGround {
                 ("MORE_GRADIENTS", f64::from(u8::from(more_gradients))),
             ],
             levels: store.levels,
-            balls: scene.surface.terrain.faces.par_iter().map(Ball::about).collect(),
+            balls: terrain.faces.par_iter().map(|face| Ball::about(&terrain.body, face)).collect(),
         })
     }
 

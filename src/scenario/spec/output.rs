@@ -87,13 +87,19 @@ pub struct Landmarks {
     /// Craters whose longest diameter is less in an image are left out of it.
     #[schemars(range(min = 0.1, max = 65536.0))]
     pub smallest_px: f64,
+    /// Craters whose longest diameter is more in an image are left out of it: nothing of their rims may be in sight.
+    #[schemars(range(min = 0.1, max = 1e9))]
+    pub largest_px: f64,
+    /// Craters that are worn down further are left out: 0 is fresh, 0.6 all but gone. Lists that do not tell keep theirs.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub most_degraded: f64,
     /// Writes each preview with the ellipses drawn over it.
     pub overlay: bool,
 }
 
 impl Default for Landmarks {
     fn default() -> Self {
-        Self { lists: vec![CraterList::Terrain], smallest_px: 5.0, overlay: false }
+        Self { lists: vec![CraterList::Terrain], smallest_px: 5.0, largest_px: 1e9, most_degraded: 1e6, overlay: false }
     }
 }
 

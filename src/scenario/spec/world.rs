@@ -355,7 +355,7 @@ impl ShadowPreset {
 
 /// What all methods but the coarse ones reach.
 fn default_max_irradiance_error() -> f64 {
-    0.005
+    0.01
 }
 
 fn default_azimuth_step_deg() -> f64 {

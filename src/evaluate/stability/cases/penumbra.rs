@@ -6,14 +6,14 @@ use glam::{DVec2, DVec3};
 
 use super::super::Case;
 use super::super::scenes::{
-    Grid, Row, SOLAR_IRRADIANCE_W_M2, SOLAR_RADIUS_RAD, flat_body, map, nadir, pinhole, scene, sun,
+    Grid, Row, SOLAR_IRRADIANCE_W_M2, SOLAR_RADIUS_RAD, disk, flat_body, map, nadir, pinhole, scene, sun,
 };
 use super::{Passage, WEST_RAD, passage_case, shares, step};
 use crate::render::{Light, Samples};
 use crate::terrain::Terrain;
 
 pub fn cases() -> Vec<Case> {
-    vec![tangent(), product(), tiny(), slope()]
+    vec![tangent(), product(), darkened(), tiny(), large(), slope()]
 }
 
 /// A plateau 100 m high, its edge 8 km long.
@@ -77,6 +77,64 @@ fn product() -> Case {
             };
             images.iter().zip(HEIGHTS).map(of_image).fold(0.0, f64::max)
         }),
+    }
+}
+
+/// The penumbra of a disc whose radiance falls to nothing at the limb as the cosine does: of strips of `1 − y²`,
+///
+/// ```text
+/// V(h) = (2 − 3 h + h³)/4
+/// ```
+///
+/// which near `h = 1` is a third and less of a uniform disc's.
+fn darkened() -> Case {
+    let (map, elevation_rad) = (map(&flat_body()), 3f64.to_radians());
+    let row = Row { west_m: 1700.0, east_m: 2150.0 };
+    let mut scene = scene(plateau(), Row::optics());
+    scene.disk = disk(1.0);
+    Case {
+        number: 6,
+        name: "penumbra of a darkened disc",
+        error_of: "share of the disc's light",
+        limit: 0.05,
+        scene,
+        views: vec![row.view(&map, sun(&map, WEST_RAD, elevation_rad))],
+        reach_m: 2150.0,
+        soft: true,
+        error: shares(move |_, at_m| {
+            let h = (((100.0 / at_m.x).atan() - elevation_rad) / SOLAR_RADIUS_RAD).clamp(-1.0, 1.0);
+            Some((2.0 - 3.0 * h + h * h * h) / 4.0)
+        }),
+    }
+}
+
+/// A light of 20° radius 40° high: the edge of a cliff is a great circle `d` from its centre, and of a cap of radius `r` it
+/// leaves
+///
+/// ```text
+/// ∫₀ʳ acos(tan d / tan θ)/π sin θ dθ / (1 − cos r)
+/// ```
+fn large() -> Case {
+    const RADIUS_RAD: f64 = 20.0 * PI / 180.0;
+    let (map, elevation_rad) = (map(&flat_body()), 40f64.to_radians());
+    let seen = |above_rad: f64| {
+        let ring = |index: u32| {
+            let theta = RADIUS_RAD * (f64::from(index) + 0.5) / 1000.0;
+            (above_rad.tan() / theta.tan()).clamp(-1.0, 1.0).acos() / PI * theta.sin()
+        };
+        (0..1000).map(ring).sum::<f64>() * RADIUS_RAD / 1000.0 / (1.0 - RADIUS_RAD.cos())
+    };
+    let row = Row { west_m: 60.0, east_m: 260.0 };
+    Case {
+        number: 8,
+        name: "light of 20° radius over an edge",
+        error_of: "share of the disc",
+        limit: 0.05,
+        scene: scene(plateau(), Row::optics()),
+        views: vec![row.view(&map, Light { angular_radius_rad: RADIUS_RAD, ..sun(&map, WEST_RAD, elevation_rad) })],
+        reach_m: 260.0,
+        soft: true,
+        error: shares(move |_, at_m| Some(seen((100.0 / at_m.x).atan() - elevation_rad))),
     }
 }
 

@@ -12,7 +12,7 @@ use crate::render::Samples;
 use crate::terrain::{Face, Gnomonic, Terrain};
 
 pub fn cases() -> Vec<Case> {
-    vec![hole(), beyond(), pole(), seam(), handed()]
+    vec![hole(), beyond(), pole(), seam(), symmetric(), handed()]
 }
 
 /// A hole in a plain casts no shadow.
@@ -104,6 +104,28 @@ fn seam() -> Case {
         reach_m: 90_000.0,
         soft: false,
         error,
+    }
+}
+
+/// A round hill in the middle of its grid: a Sun half a turn on gives the image turned by half.
+fn symmetric() -> Case {
+    const SIDE: usize = 32;
+    let map = map(&flat_body());
+    let hill = |at: DVec2| 150.0 * (-at.length_squared() / (2.0 * 150.0 * 150.0)).exp();
+    let views = [0.7, 0.7 + TAU / 2.0].map(|azimuth_rad| nadir(&map, DVec2::ZERO, 1600.0, sun(&map, azimuth_rad, 0.2)));
+    Case {
+        number: 25,
+        name: "round hill, Sun half a turn on",
+        error_of: "mean share of the disc between two images",
+        limit: 1e-3,
+        scene: scene(Grid::square(900.0, 20.0).terrain(&flat_body(), hill), pinhole(SIDE as u32, SIDE as u32, 36.0)),
+        views: views.into(),
+        reach_m: 800.0,
+        soft: false,
+        error: Box::new(|images: &[Samples]| {
+            let turned = images[0].pixels.iter().zip(images[1].pixels.iter().rev());
+            turned.map(|(a, b)| f64::from((a.sun_fraction - b.sun_fraction).abs())).sum::<f64>() / (SIDE * SIDE) as f64
+        }),
     }
 }
 
