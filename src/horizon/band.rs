@@ -31,6 +31,10 @@
 //! | connecting ridge, 5 km within 100 km | 1.9° | 99.61, 99.60 % | 0.00132, 0.00124 | 0.0088, 0.0083 |
 //! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
 //!
+//! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and with the
+//! band, 1 and 0.99 in `fm16` (1.3 on cratered highland and both real models), 0.46 and 0.36 in `w21`, 0.55 and 0.42 in `w16`. It gains
+//! most where cliffs ring (blocks 0.65 and 0.21, needles 0.89 and 0.64) and nothing on the connecting ridge (0.31 and 0.32). So it is not the default.
+//!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun
 //! for hours grows with its arc, and the gain shrinks.
