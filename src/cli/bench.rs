@@ -148,19 +148,26 @@ struct Output {
     json: bool,
 }
 
+impl Output {
+    /// Writes reports that are not whole yet where the whole one will lie.
+    fn publish(&self) -> impl Fn(&Report) -> Result<(), perilune::evaluate::Error> {
+        |report| report.write(&self.output).map(drop)
+    }
+}
+
 pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let (report, output) = match args.bench {
         Bench::Horizon(tables) => {
             let mut options = horizons::Options::new(tables.quick, tables.folders());
             options.program = std::env::current_exe().ok();
-            let publish = |report: &Report| report.write(&tables.output.output).map(|_| ());
-            (horizons::run(&options, &bars, &publish)?, tables.output)
+            let report = horizons::run(&options, &bars, &tables.output.publish())?;
+            (report, tables.output)
         }
         Bench::Encodings { tables, scenes } => {
             let options = horizons::Options::new(tables.quick, tables.folders());
-            let partial = |report: &Report| report.write(&tables.output.output).map(drop);
-            (horizons::run_encodings(&options, &scenes, &bars, &partial)?, tables.output)
+            let report = horizons::run_encodings(&options, &scenes, &bars, &tables.output.publish())?;
+            (report, tables.output)
         }
         Bench::Illumination(tables) => {
             let options = percentages::Options { quick: tables.quick, folders: tables.folders() };

@@ -103,13 +103,13 @@ pub fn run(options: &Options, progress: &dyn Progress, publish: Publish) -> Resu
     Ok(tables.report(&notes))
 }
 
-/// Measures all encodings on patches of some of [`ENCODED`], of all if none is named, and hands the report on each time that
-/// a scene is done.
+/// Measures all encodings on patches of some of [`ENCODED`], of all if none is named. What is found is shown to `publish`
+/// scene by scene.
 pub fn run_encodings(
     options: &Options,
     only: &[String],
     progress: &dyn Progress,
-    partial: &dyn Fn(&Report) -> Result<(), Error>,
+    publish: Publish,
 ) -> Result<Report, Error> {
     let side = if options.quick { 96 } else { 128 };
     let mut tables = encodings::Tables::new();
@@ -140,7 +140,7 @@ pub fn run_encodings(
         encodings::summarise(&mut tables);
         report.plots = vec![encodings::plot(&tables)];
         report.tables = tables.in_order();
-        partial(&report)?;
+        publish(&report)?;
     }
     Ok(report)
 }

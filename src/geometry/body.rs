@@ -119,6 +119,24 @@ impl Body {
     }
 }
 
+/// How far along a ray a spheroid about the body's centre is first met from outside; `None` where the ray misses it.
+pub fn distance_to_spheroid_m(
+    radii_m: DVec3,
+    origin: Position<BodyFixed>,
+    direction: Direction<BodyFixed>,
+) -> Option<f64> {
+    // The spheroid is the unit sphere in coordinates scaled by its radii.
+    let (p, d) = (origin.vector_m() / radii_m, direction.unit() / radii_m);
+    let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - 1.0);
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 || b >= 0.0 {
+        return None;
+    }
+    // The nearer root, without cancellation.
+    let distance_m = c / (discriminant.sqrt() - b);
+    (distance_m >= 0.0).then_some(distance_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

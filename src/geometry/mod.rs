@@ -3,5 +3,5 @@
 mod body;
 mod frame;
 
-pub use body::{Body, Geodetic};
+pub use body::{Body, Geodetic, distance_to_spheroid_m};
 pub use frame::{BodyFixed, Camera, Direction, Frame, Icrf, Local, Map, Position, Rotation};

@@ -33,9 +33,9 @@
 //!
 //! # Assumptions
 //! On a graphics card a sample of a series costs far less beside a sweep: there maps are better than is reckoned.
-//! The errors hold for rough terrain; on the ridge they are a quarter to a half. They grow towards lower Suns. The choice depends on the scenario alone,
-//! on all of its exposures: neither the cache nor the adapter nor `--frames` has a share in it, so that the
-//! same scenario gives the same bytes whatever was run before.
+//! The errors hold for rough terrain; on the ridge they are a quarter to a half. They grow towards lower Suns. The choice
+//! depends on the scenario alone, on all of its exposures: neither the cache nor the adapter nor `--frames` has a share in
+//! it, so that the same scenario gives the same bytes whatever was run before.
 
 use crate::horizon::{Encoding, bound};
 use crate::scenario::{Ambient, Scenario, Shadows, Sky};

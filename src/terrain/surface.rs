@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::march::March;
 use super::pyramid::Pyramid;
 use super::{Face, Gnomonic, Level, Terrain};
-use crate::geometry::{BodyFixed, Direction, Position};
+use crate::geometry::{BodyFixed, Direction, Position, distance_to_spheroid_m};
 
 /// A terrain ready for rays.
 #[derive(Debug, Clone)]
@@ -86,21 +86,13 @@ impl Surface {
 
     fn intersect_bare(&self, origin: Position<BodyFixed>, direction: Direction<BodyFixed>) -> Option<Hit> {
         let body = &self.terrain.body;
-        // The spheroid is the unit sphere in coordinates scaled by its radii.
         let radii_m = DVec3::new(body.equatorial_radius_m, body.equatorial_radius_m, body.polar_radius_m);
-        let (p, d) = (origin.vector_m() / radii_m, direction.unit() / radii_m);
-        let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - 1.0);
-        let discriminant = b * b - a * c;
-        if discriminant < 0.0 || b >= 0.0 {
-            return None;
-        }
-        // The nearer root, without cancellation.
-        let distance_m = c / (discriminant.sqrt() - b);
+        let distance_m = distance_to_spheroid_m(radii_m, origin, direction)?;
         let position = Position::from_m(origin.vector_m() + distance_m * direction.unit());
         let covered = self.terrain.faces.iter().any(|face| {
             face.map.lifted_from_body(position).is_some_and(|lifted| face.level_at(lifted.truncate()).is_some())
         });
-        (distance_m >= 0.0 && !covered).then_some(Hit { ground: Ground::Bare, position, distance_m })
+        (!covered).then_some(Hit { ground: Ground::Bare, position, distance_m })
     }
 
     fn intersect_face(&self, face: usize, origin: Position<BodyFixed>, direction: Direction<BodyFixed>) -> Option<Hit> {

@@ -7,7 +7,8 @@
 //! posting cos c > n · width of a pixel        c: central angle from the middle of the tile's face, n: the posting in pixels
 //! ```
 //!
-//! anywhere in it, down to the tree's finest level; what shows behind the limb is seen from the side and as wide as it is far away. Where that takes more tiles than are allowed, `n` grows by √2 until it does not.
+//! anywhere in it, down to the tree's finest level; what shows behind the limb is seen from the side and as wide as it is
+//! far away. Where that takes more tiles than are allowed, `n` grows by √2 until it does not.
 //! Of the tiles only those are taken that may be seen by a camera or lie below one: parts of a tile, in spheres that hold their
 //! relief, are held against the cone around the camera's rays and against the limb. Shadows need no others: horizons hold what
 //! lies around.
@@ -22,7 +23,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::camera::{Camera, Pose};
-use crate::geometry::{BodyFixed, Direction, Position};
+use crate::geometry::{BodyFixed, Position, distance_to_spheroid_m};
 use crate::terrain::quadtree::{QuadTree, TileId};
 use crate::terrain::{Cut, GlobalDem, Surface};
 
@@ -105,7 +106,8 @@ struct Image<'a> {
 impl Image<'_> {
     fn meets(&self, pixel: DVec2) -> Option<Position<BodyFixed>> {
         let direction = self.pose.camera_from_body.inverse() * self.camera.direction(pixel)?;
-        on_sphere(self.pose.position, direction, self.radius_m)
+        let distance_m = distance_to_spheroid_m(DVec3::splat(self.radius_m), self.pose.position, direction)?;
+        Some(Position::from_m(self.pose.position.vector_m() + direction.unit() * distance_m))
     }
 
     /// Pixels of a raster, where they see the body, and what stands behind its limb up to a central angle from there.
@@ -171,15 +173,6 @@ impl Image<'_> {
 fn raster(pixels: u32) -> Vec<f64> {
     let count = pixels.min(RAYS);
     (0..count).map(|i| (f64::from(i) * f64::from(pixels - 1) / f64::from((count - 1).max(1))).round()).collect()
-}
-
-/// Where a ray first meets the sphere about the body's centre.
-fn on_sphere(from: Position<BodyFixed>, direction: Direction<BodyFixed>, radius_m: f64) -> Option<Position<BodyFixed>> {
-    let (p, d) = (from.vector_m(), direction.unit());
-    let (b, c) = (p.dot(d), p.length_squared() - radius_m * radius_m);
-    let discriminant = b * b - c;
-    let is_ahead = b < 0.0 && c > 0.0 && discriminant >= 0.0;
-    is_ahead.then(|| Position::from_m(p + d * (c / (discriminant.sqrt() - b))))
 }
 
 /// A sphere that holds a part of a tile with its relief.
