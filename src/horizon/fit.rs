@@ -28,6 +28,8 @@ use sums::Sums;
 
 /// Pixel rows that a task takes: the coarsest texel's.
 const STRIP: usize = 8;
+/// Sums that are in registers at a time.
+const STRETCH: usize = 64;
 
 /// Sums of one group of numbers, `[texel row][real][texel column]`.
 #[derive(Debug, Clone)]
@@ -172,21 +174,26 @@ impl Accumulator {
         let weights: Vec<Vec<f32>> = planes.iter().map(of_group).collect();
         let of_strip = |buffers: &mut (Vec<f32>, Vec<f32>), (i, sums): (usize, &mut [f32])| {
             let (means, turned) = buffers;
-            means.resize(width, 0.0);
             let first = (first_strip + i) * STRIP;
             let strip = first..(first + STRIP).min(rows);
-            for (plane, weights) in planes.iter().zip(&weights) {
+            let texel_rows = strip.len().div_ceil(scale);
+            means.resize(texel_rows * planes.len() * width, 0.0);
+            for (index, plane) in planes.iter().enumerate() {
                 let (pixels, stride) = plane.rows(strip.clone(), columns, major == Major::Column, turned);
-                for (row, sums) in sums.chunks_mut(reals * width).enumerate() {
+                for row in 0..texel_rows {
                     let within = row * scale..((row + 1) * scale).min(strip.len());
+                    let means = &mut means[(row * planes.len() + index) * width..][..width];
                     wide(
                         #[inline(always)]
-                        || {
-                            box_means(pixels, stride, columns, within.clone(), scale, means);
-                            add_scaled(means, weights, sums);
-                        },
+                        || box_means(pixels, stride, columns, within, scale, means),
                     );
                 }
+            }
+            for (means, sums) in means.chunks(planes.len() * width).zip(sums.chunks_mut(reals * width)) {
+                wide(
+                    #[inline(always)]
+                    || add_scaled(means, &weights, sums, width),
+                );
             }
         };
         sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
@@ -265,14 +272,29 @@ fn box_means(pixels: &[f32], stride: usize, columns: usize, rows: Range<usize>, 
     }
 }
 
+/// Adds a row of each plane to the sums of each number: a stretch that stays in registers takes all planes in turn.
 #[inline(always)]
-fn add_scaled(values: &[f32], weights: &[f32], sums: &mut [f32]) {
-    for (sums, weight) in sums.chunks_mut(values.len()).zip(weights) {
-        if *weight == 0.0 {
-            continue;
-        }
-        for (sum, value) in sums.iter_mut().zip(values) {
-            *sum += weight * value;
+fn add_scaled(planes: &[f32], weights: &[Vec<f32>], sums: &mut [f32], width: usize) {
+    for start in (0..width).step_by(STRETCH) {
+        let stretch = STRETCH.min(width - start);
+        for (real, sums) in sums.chunks_mut(width).enumerate() {
+            let sums = &mut sums[start..start + stretch];
+            let mut added = [0.0; STRETCH];
+            added[..stretch].copy_from_slice(sums);
+            for (plane, weights) in planes.chunks(width).zip(weights) {
+                let weight = weights[real];
+                // Most weights of samples are 0.
+                if weight == 0.0 {
+                    continue;
+                }
+                let plane = &plane[start..start + stretch];
+                if let Some(plane) = plane.as_array::<STRETCH>() {
+                    added.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
+                } else {
+                    added.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
+                }
+            }
+            sums.copy_from_slice(&added[..stretch]);
         }
     }
 }

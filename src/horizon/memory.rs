@@ -15,6 +15,9 @@ const MIB: usize = 1 << 20;
 /// The program with its libraries (47 MiB with a full GDAL), what these keep (18 MiB), buffers of files.
 const PROGRAM: usize = 70 * MIB;
 
+/// Most planes of a thread in a block.
+const PLANES_EACH: usize = 4;
+
 /// Memory that the process may take while it builds a tile, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory(pub usize);
@@ -50,7 +53,9 @@ impl Memory {
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
         let sums = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths).bytes();
         if sums + threads * plane <= left {
-            return Share { sums_fit: true, planes: threads };
+            // Sums are read and written once for all planes of a block.
+            let each = ((left - sums) / plane / threads).min(PLANES_EACH);
+            return Share { sums_fit: true, planes: each * threads };
         }
         // A whole number for each thread, so that none waits, if there is one.
         let planes = (left / plane).max(1);

@@ -78,7 +78,7 @@ pub struct Page {
 }
 
 /// Highest harmonic of the water-filled pyramids, and of equal steps.
-const WATER_HARMONICS: usize = 31;
+const WATER_HARMONICS: usize = 47;
 const EQUAL_HARMONICS: usize = 19;
 
 impl Encoding {
