@@ -111,7 +111,7 @@ mod tests {
                     for (column, elevation_rad) in elevations_rad.iter().enumerate() {
                         let series = map.horizon(DVec2::new(column as f64, row as f64));
                         let expected = series.evaluate_towards(*direction).0;
-                        // Thirty-one terms up to 1 rad in f32.
+                        // Some fifty terms up to 1 rad in f32.
                         assert!((f64::from(*elevation_rad) - expected).abs() < 1e-5, "{elevation_rad} {expected}");
                     }
                 }

@@ -5,7 +5,7 @@
 //! | `fm4 … fm16` | 4 … 16 complex coefficients as half floats, four at each of the resolutions 1, 1/2, 1/4, 1/8 ([`half`]) | 16 … 21.25 | Fritsch et al. (2025) |
 //! | `f4 … f16` | the same at full resolution | 16 … 64 | Fritsch et al. (2025) |
 //! | `raw8 … raw16` | elevations at 8 … 16 azimuths as half floats ([`raw`]) | 16 … 32 | Max (1988) |
-//! | `w11, w16, w21` | 31 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
+//! | `w11, w16, w21` | up to 47 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
 //! | `q` | 19 harmonics over those four resolutions in fields of bits, equal steps: made for small files ([`super::fit::equal`]) | 42.5 | this program |
 //!
 //! A texel at a reduced resolution stands for its box of pixels, as far as the box lies in the map. Decoding is bilinear

@@ -87,8 +87,8 @@ fn make_vectors() {
     let (body, face) = (Body::moon(), bumps());
     let tiles = tempfile::tempdir().unwrap();
     for encoding in encodings {
-        // Twice the 31st harmonic and more.
-        let settings = Settings { azimuths: 64, ..Settings::default() };
+        // Twice the 47th harmonic and more.
+        let settings = Settings { azimuths: 96, ..Settings::default() };
         let request = Request { body: &body, face: &face, level: 0, settings, encoding };
         let map = build(&request, tiles.path(), &|_, _| ()).unwrap();
         let name = folder().join(format!("{encoding:?}.tif").to_lowercase());

@@ -3,15 +3,15 @@
 //! From the coarsest page to the finest, what the coarser pages leave of the coefficients' box means is quantised:
 //!
 //! ```text
-//! r_s = mean over the box of c − Σ coarser pages at the box's centre      r_s ≈ offset + step · code
+//! r_s = mean over the box of c, sharpened − Σ coarser pages at the box's centre      r_s ≈ offset + step · code
 //! ```
 //!
-//! A page has `32 w` bits a texel. They go one by one (two or three at once where one alone gains nothing) to the
+//! Sharpened means are those whose bilinear interpolation has the box's mean. A page has `32 w` bits a texel. They go one by one (two or three at once where one alone gains nothing) to the
 //! coefficient whose mean square error falls most for a bit, as reverse water-filling does for Gaussian ones, but by
 //! errors measured on the texels themselves: for each coefficient and each number of bits the step is the best of a
 //! few, so that rare large values are clipped if that pays. An error of a coarse page that the next finer one
 //! quantises with `b` bits shrinks by `2^−b` there; the coarse one's errors are weighed by what is left of them, which
-//! needs the finer pages' bits: the pyramid is filled twice.
+//! needs the finer pages' bits: the pyramid is filled four times. How many harmonics have bits is the tile's own choice.
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
@@ -44,9 +44,9 @@ const OCTAVES: f32 = 5.4;
 /// with a few rims or needles are about 0, and few bits should be able to say so.
 const SHIFTS: [f32; 3] = [0.0, 0.5, -0.5];
 /// Times that the pyramid is filled.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 4;
 /// An error is never thought to vanish in finer pages.
-const LEAST_WEIGHT: f64 = 1e-4;
+const LEAST_WEIGHT: f64 = 1e-3;
 
 /// How a coefficient is quantised with some number of bits, and the mean square error then.
 #[derive(Debug, Clone, Copy)]
@@ -100,11 +100,12 @@ fn base_weights(reals: usize) -> Vec<f64> {
     (0..reals).map(|real| [1.0, 0.0].get(real).copied().unwrap_or(0.5)).collect()
 }
 
-/// Weighs each page's errors by what the finer ones leave of them.
+/// Weighs each page's errors by what the finer ones leave of them, half way from the weights before: with the new ones alone pages would
+/// take turns in leaving a coefficient to each other.
 fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
     let mut weight = base_weights(weights[0].len());
     for (weights, fields) in weights.iter_mut().zip(fields) {
-        weights.clone_from(&weight);
+        weights.iter_mut().zip(&weight).for_each(|(before, left)| *before = (*before * left).sqrt());
         for field in fields {
             let left = &mut weight[field.real];
             *left = (*left * 0.25_f64.powi(field.width as i32)).max(LEAST_WEIGHT);

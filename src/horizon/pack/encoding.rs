@@ -32,7 +32,7 @@ pub enum Encoding {
     Raw12,
     /// At 16 azimuths: 32 bytes.
     Raw16,
-    /// A water-filled pyramid of 31 harmonics in two words a texel: 10.6 bytes.
+    /// A water-filled pyramid of up to 47 harmonics in two words a texel: 10.6 bytes.
     W11,
     /// The same in three words: 15.9 bytes.
     W16,

@@ -1,7 +1,7 @@
 //! Fields of bits: every real coefficient as small integers, in water-filled pyramids summed over four resolutions.
 //!
 //! ```text
-//! c(x) = Σ_pages Σ_texels share · (offset + step · code)      c = a₀, a₁, b₁, … a₃₁, b₃₁
+//! c(x) = Σ_pages Σ_texels share · (offset + step · code)      c = a₀, a₁, b₁, … a₄₇, b₄₇
 //! ```
 //!
 //! A texel of `w` words at each of the resolutions 1, 1/2, 1/4, 1/8 holds a signed field of a few bits for each coefficient

@@ -33,7 +33,7 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
     let directory = tempfile::tempdir().unwrap();
     let face = cratered(101, 20.0, 1);
     for encoding in Encoding::ALL {
-        let settings = Settings { azimuths: 64, ..settings() };
+        let settings = Settings { azimuths: 96, ..settings() };
         let request = Request { encoding, settings, ..request(&face) };
         let built = build(&request, directory.path(), &|_, _| ()).unwrap();
         let key = request.key();
