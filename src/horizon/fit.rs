@@ -164,6 +164,9 @@ impl Accumulator {
 
     /// Adds planes, which lie along one axis, in their order to the sums of some strips of a group.
     pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane], major: Major) {
+        if planes.is_empty() {
+            return;
+        }
         let (columns, rows) = (self.columns, self.rows);
         let group = &self.groups[index];
         let (scale, width, reals) = (group.scale, group.columns, group.reals);
