@@ -8,6 +8,7 @@
 //! build never fails for its budget: one plane is the least.
 
 use super::fit::Accumulator;
+use super::pack::Encoding;
 use super::request::Request;
 
 const MIB: usize = 1 << 20;
@@ -36,6 +37,19 @@ pub struct Share {
 impl Memory {
     pub const fn mib(mib: usize) -> Self {
         Self(mib * MIB)
+    }
+
+    /// How many tiles of `side²` nodes, a margin around each, may be made side by side: at least one.
+    pub fn tiles(self, encoding: Encoding, side: usize, margin: usize, azimuths: usize) -> usize {
+        let sums = Accumulator::on_disk(encoding, side, side, azimuths).bytes();
+        // A level and half a dozen coarser ones around it, as they are read and as they are swept.
+        let terrain = 6 * (5 + 8) * (side + 2 * margin).pow(2);
+        (self.0.saturating_sub(PROGRAM) / (2 * sums + terrain)).max(1)
+    }
+
+    /// What each of `tiles` that are made side by side may take, the program counted with each.
+    pub fn shared_by(self, tiles: usize) -> Self {
+        Self(PROGRAM + self.0.saturating_sub(PROGRAM) / tiles)
     }
 
     pub fn share(self, request: &Request) -> Share {
