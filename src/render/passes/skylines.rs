@@ -26,20 +26,20 @@ const GROUP: usize = 64;
 /// Lights with fields of their own, as offsets in a level.
 const LIGHTS: usize = 4;
 
-/// Who makes the fields.
+/// How the device makes fields.
 #[derive(Debug)]
 enum Maker {
-    Host,
-    /// The device, from horizon maps.
+    /// From horizon maps.
     Bake(ComputePipeline),
-    /// The device, from images of heights.
+    /// From images of heights.
     Multiscale(Box<OnDevice>),
 }
 
 /// The fields of a scene, and the lights that they hold for.
 #[derive(Debug)]
 pub struct DeviceSkylines {
-    maker: Maker,
+    /// `None`: found on the host.
+    maker: Option<Maker>,
     disk_tables: Buffer,
     /// Where a light's field of each level begins, in texels.
     starts: Vec<usize>,
@@ -70,12 +70,13 @@ impl DeviceSkylines {
         constants.push(("FACTORS", f64::from(u8::from(factors.is_some()))));
         constants.extend(factors.unwrap_or_default().constants());
         let maker = match &scene.shadows {
-            Shadows::Baked(_) | Shadows::Lighting(_) => Maker::Bake(gpu.compute("bake", &shader, "main", &constants)?),
-            Shadows::Towards(method) => match method.on_device(gpu, &scene.surface)? {
-                Some(method) => Maker::Multiscale(Box::new(method)),
-                None => Maker::Host,
-            },
-            _ => Maker::Host,
+            Shadows::Baked(_) | Shadows::Lighting(_) => {
+                Some(Maker::Bake(gpu.compute("bake", &shader, "main", &constants)?))
+            }
+            Shadows::Towards(method) => {
+                method.on_device(gpu, &scene.surface)?.map(|method| Maker::Multiscale(Box::new(method)))
+            }
+            _ => None,
         };
         let disk_tables = gpu.storage("disc tables", &scene.disk.tables());
         Ok(Self { maker, disk_tables, starts, texels, host: Skylines::default(), made: None })
@@ -92,9 +93,9 @@ impl DeviceSkylines {
         if self.made.as_ref().is_some_and(|(held, _)| held == lights) {
             return Ok(Some(0.0));
         }
-        let (seconds, buffer) = match self.maker {
-            Maker::Host => (Some(0.0), self.send(gpu, scene, lights)?),
-            _ => self.make(gpu, scene, ground, lights),
+        let (seconds, buffer) = match &self.maker {
+            Some(maker) => self.make(gpu, maker, scene, ground, lights),
+            None => (Some(0.0), self.send(gpu, scene, lights)?),
         };
         self.made = Some((lights.to_vec(), buffer));
         Ok(seconds)
@@ -110,16 +111,21 @@ impl DeviceSkylines {
         MapLevel { horizon: std::array::from_fn(offset), has_horizon: 1, ..level }
     }
 
-    /// All fields by the device.
-    fn make(&self, gpu: &Gpu, scene: &Scene, ground: &DeviceGround, lights: &[HeldLight]) -> (Option<f64>, Buffer) {
+    fn make(
+        &self,
+        gpu: &Gpu,
+        maker: &Maker,
+        scene: &Scene,
+        ground: &DeviceGround,
+        lights: &[HeldLight],
+    ) -> (Option<f64>, Buffer) {
         let fields = gpu.output("skylines", (lights.len() * self.texels * size_of::<[u32; 4]>()) as u64);
         let mut seconds = Some(0.0);
         for (light, held) in lights.iter().enumerate() {
             for (start, level) in self.starts.iter().zip(&ground.levels) {
                 let map = &scene.surface.terrain.faces[level.face].map;
                 let offset = light * self.texels + start;
-                let spent = match &self.maker {
-                    Maker::Host => None,
+                let spent = match maker {
                     Maker::Bake(pipeline) => {
                         let parameters = BakeParameters::new(map, &level.shader, held, offset as u32);
                         self.bake(gpu, pipeline, ground, &parameters, &fields)
@@ -172,7 +178,7 @@ impl DeviceSkylines {
 
     /// The fields towards these lights as the host finds them; baked ones are made elsewhere.
     pub fn found_on_host(&mut self, scene: &Scene, lights: &[HeldLight]) -> Result<Skylines, OutsideSwath> {
-        if let Some(method) = scene.shadows.towards().filter(|_| !matches!(self.maker, Maker::Bake(_))) {
+        if let Some(method) = scene.shadows.towards().filter(|_| !matches!(self.maker, Some(Maker::Bake(_)))) {
             self.host = self.host.towards(&scene.surface, method, lights)?;
         }
         Ok(self.host.clone())
