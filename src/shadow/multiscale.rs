@@ -27,10 +27,11 @@
 //! # Twin
 //! `multiscale.wgsl` finds fields of nodes on a [`device`] in `f32`: each of the three elevations within 2e-6 rad of the one
 //! found here, 0.9e-6 at most as measured. Where the last sample lies within rounding of a level's edge it may fall on the other
-//! side: one node in 10⁵ or fewer. Shares of the Sun's disc in images of a scenario differ by 7e-5 at most. In one run on cratered ground (384² at 20 m, one core) software Vulkan took 1/5.4 of the
-//! host's time, so that every adapter does it. That was still 4 times `SingleAzimuth`'s, with an RMS error of 0.009 of full
-//! Sun against 0.0008. The host does it where the images of a face, 13.7 bytes a node for `k = 4`, are more than a buffer may
-//! hold. The sky's shares are found on the host, once a scene.
+//! side: one node in 10⁵ or fewer. Shares of the Sun's disc in images of a scenario differ by 7e-5 at most. In one run on
+//! cratered ground (384² at 20 m, one core) software Vulkan took 1/5.4 of the host's time, so that every adapter does it. That
+//! was still 4 times `SingleAzimuth`'s, with an RMS error of 0.009 of full Sun against 0.0008. The host does it where the
+//! images of a face, 13.7 bytes a node for `k = 4`, are more than a buffer may hold. The sky's shares are found on the host,
+//! once a scene.
 //!
 //! # References
 //! Snyder & Nowrouzezahrai (2008), Fast soft self-shadowing on dynamic height fields, Computer Graphics Forum 27(4).
