@@ -118,10 +118,8 @@ impl<'a> Builder<'a> {
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state);
-        if share.sums_fit {
-            memory::keep()
-        } else {
-            memory::give_back()
+        if !share.sums_fit {
+            memory::give_back();
         }
         let (block, probes) = (share.planes, share.probes_fit.then(Vec::new));
         Ok(Self {
