@@ -23,7 +23,13 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 enum Bench {
     /// Speed, error and memory of horizons, and of the shadows they cast. Quick: one small scene, a third of the azimuths
-    Horizon(Tables),
+    Horizon {
+        #[command(flatten)]
+        tables: Tables,
+        /// A part to measure. Repeatable. [default: all]
+        #[arg(long = "part", value_name = "NAME", value_parser = horizons::PARTS)]
+        parts: Vec<String>,
+    },
     /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: small patches of two scenes
     Encodings {
         #[command(flatten)]
@@ -158,9 +164,10 @@ impl Output {
 pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let (report, output) = match args.bench {
-        Bench::Horizon(tables) => {
-            let mut options = horizons::Options::new(tables.quick, tables.folders());
-            options.program = std::env::current_exe().ok();
+        Bench::Horizon { tables, parts } => {
+            let program = std::env::current_exe().ok();
+            let options =
+                horizons::Options { parts, program, ..horizons::Options::new(tables.quick, tables.folders()) };
             let report = horizons::run(&options, &bars, &tables.output.publish())?;
             (report, tables.output)
         }

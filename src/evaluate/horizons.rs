@@ -38,17 +38,23 @@ pub struct Options {
     pub data: Vec<PathBuf>,
     pub pixels: usize,
     pub azimuths: usize,
+    /// Some of [`PARTS`]; all if none is named.
+    pub parts: Vec<String>,
     /// The program whose memory is measured, `sim`; without it that table stays empty.
     pub program: Option<PathBuf>,
 }
 
 impl Options {
     pub fn new(quick: bool, data: Vec<PathBuf>) -> Self {
-        Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 }, program: None }
+        Self { quick, data, pixels: 512, azimuths: if quick { 120 } else { 360 }, parts: Vec::new(), program: None }
     }
 
     fn settings(&self) -> Settings {
         Settings { azimuths: self.azimuths, ..Settings::default() }
+    }
+
+    fn includes(&self, part: &str) -> bool {
+        self.parts.is_empty() || self.parts.iter().any(|named| named == part)
     }
 
     /// Runs of the clock, and azimuths in each.
@@ -56,6 +62,9 @@ impl Options {
         if self.quick { (3, 4) } else { (3, 24) }
     }
 }
+
+/// What a run consists of: scenes, and tables of their own. A quick run has neither the larger scenes nor Fritsch's job.
+pub const PARTS: [&str; 6] = ["cratered", "cratered-2048", "ridge", "curvature", "fritsch", "memory"];
 
 /// Takes a report that is not whole yet.
 pub type Publish<'a> = &'a dyn Fn(&Report) -> Result<(), Error>;
@@ -89,14 +98,16 @@ pub fn run(options: &Options, progress: &dyn Progress, publish: Publish) -> Resu
         }
         publish(&tables.report(&notes))?;
     }
-    let nested = scenes.iter().find(|scene| scene.face.levels.len() > 1);
-    progress.begin("curvature", 1, "table");
-    tables.curvature.rows =
-        curvature::rows(nested, if options.quick { 6 } else { 64 }, if options.quick { 12 } else { 36 })?;
-    if !options.quick {
+    if options.includes("curvature") {
+        progress.begin("curvature", 1, "table");
+        let nested = if options.quick { None } else { Scene::connecting_ridge(&options.data)? };
+        let [pixels, azimuths] = if options.quick { [6, 12] } else { [64, 36] };
+        tables.curvature.rows = curvature::rows(nested.as_ref(), pixels, azimuths)?;
+    }
+    if options.includes("fritsch") && !options.quick {
         tables.fritsch.rows = fritsch::rows(fritsch::MEASURED, progress)?;
     }
-    if let Some(program) = &options.program {
+    if let Some(program) = options.program.as_ref().filter(|_| options.includes("memory")) {
         progress.begin("memory", 1, "table");
         tables.memory.rows = memory::rows(program, if options.quick { 256 } else { 1024 }, options.azimuths)?;
     }
@@ -161,14 +172,20 @@ fn beside_grass(
 }
 
 fn scenes(options: &Options, notes: &mut Vec<String>) -> Result<Vec<Scene>, Error> {
-    if options.quick {
-        return Ok(vec![Scene::synthetic(512, 1)?]);
+    let mut scenes = Vec::new();
+    if options.includes("cratered") {
+        scenes.push(Scene::synthetic(if options.quick { 512 } else { 1024 }, 1)?);
     }
-    let mut scenes = vec![Scene::synthetic(1024, 1)?];
-    scenes.push(Scene::synthetic(2048, 1)?);
-    match Scene::connecting_ridge(&options.data)? {
-        Some(scene) => scenes.push(scene),
-        None => notes.push("Connecting ridge: skipped, its elevation models are in none of the data folders.".into()),
+    if options.includes("cratered-2048") && !options.quick {
+        scenes.push(Scene::synthetic(2048, 1)?);
+    }
+    if options.includes("ridge") && !options.quick {
+        match Scene::connecting_ridge(&options.data)? {
+            Some(scene) => scenes.push(scene),
+            None => {
+                notes.push("Connecting ridge: skipped, its elevation models are in none of the data folders.".into());
+            }
+        }
     }
     Ok(scenes)
 }

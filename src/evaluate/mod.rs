@@ -10,6 +10,7 @@ pub mod frame;
 pub mod horizons;
 pub mod illumination;
 pub mod images;
+mod kept;
 pub mod machine;
 pub mod plot;
 pub mod radiometry;

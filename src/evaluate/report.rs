@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
 use super::plot::{Plot, escaped};
@@ -25,7 +26,7 @@ pub struct Report {
 }
 
 /// An image with what it shows.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Picture {
     /// Part of the file's name.
     pub name: String,

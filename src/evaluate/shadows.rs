@@ -14,6 +14,7 @@
 
 pub mod matrix;
 pub mod methods;
+mod truth;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -32,7 +33,7 @@ use crate::render::reference::Reference;
 use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use crate::scenario::{self, Scenario};
 use crate::terrain::{Ground, Hit};
-use methods::Workshop;
+use methods::{Workshop, outside_domain};
 
 /// What to compare.
 #[derive(Debug, Clone)]
@@ -133,12 +134,14 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         maps: scene.shadows.maps().unwrap_or_default().to_vec(),
         cache: &options.cache,
     };
-    let (truth, trials) = render_all(scene, &view, &workshop, &options.methods, progress)?;
+    let (truth, trials, left_out) = render_all(scene, &view, &workshop, &options.methods, progress)?;
     let ground: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit).is_some()).collect();
     if !ground.contains(&true) {
         return Err(Error::NoGround { exposure: options.exposure });
     }
-    report(machine, &scenario, &prepared, options, &view, &truth, &trials, &ground)
+    let mut report = report(machine, &scenario, &prepared, options, &view, &truth, &trials, &ground)?;
+    report.notes.extend(left_out);
+    Ok(report)
 }
 
 /// Face and level of the ground that a pixel's centre meets; `None` where there is no terrain.
@@ -202,18 +205,24 @@ struct Trial {
     device_seconds: Option<f64>,
 }
 
-/// The truth, then all others.
+/// The truth, all others, and why some are left out.
 fn render_all(
     mut scene: Scene,
     view: &View,
     workshop: &Workshop,
     methods: &[String],
     progress: &dyn Progress,
-) -> Result<(Trial, Vec<Trial>), Error> {
+) -> Result<(Trial, Vec<Trial>, Vec<String>), Error> {
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
-    let mut trials = Vec::new();
+    let (mut trials, mut left_out) = (Vec::new(), Vec::new());
     for name in methods {
-        scene.shadows = workshop.shadows(name, progress)?;
+        scene.shadows = match workshop.shadows(name, progress) {
+            Ok(shadows) => shadows,
+            Err(error) => {
+                left_out.push(outside_domain(name, error)?);
+                continue;
+            }
+        };
         progress.begin(&format!("rendering, {name}"), 1, "image");
         trials.push(match &gpu {
             Some(gpu) => on_device(name, gpu, &scene, view)?,
@@ -225,7 +234,7 @@ fn render_all(
     scene.quantities = vec![Quantity::DemGap];
     progress.begin("rendering, traced", 1, "image");
     let truth = trial("traced, reference".into(), &mut Reference, &scene, view)?;
-    Ok((truth, trials))
+    Ok((truth, trials, left_out))
 }
 
 /// The second of two images; the first one, under a Sun a little off, uploads the terrain. Skylines are found anew for the

@@ -42,7 +42,7 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
     let (figures, mut plots) = fritsch::figures(options, progress)?;
     tables.extend(figures);
     tables.extend(aslandere::tables(options, progress)?);
-    tables.extend(snyder::tables(options, progress)?);
+    tables.extend(snyder::tables(options, gpu.as_ref(), progress)?);
     let (edge, plot) = jung::figure_6()?;
     tables.push(edge);
     plots.push(plot);

@@ -2,7 +2,7 @@
 //!
 //! A renderer may trust a shadow where the light stands further from the decoded skyline than the node's bound `B`. For
 //! each node the largest error `m` of the decoded series against the swept skyline is found over every `s`-th azimuth
-//! ([`AZIMUTHS`] of them; a second sweep at a sixth of the first one's work where 360 were swept). Between those azimuths
+//! ([`AZIMUTHS`] of them, kept from the sweep or, for large tiles, swept again: a sixth of the work where 360 were swept). Between those azimuths
 //! the error may be larger, and the sweep itself errs: on the nodes that a tile measures itself on, whose error `e` against
 //! *traced* skylines is known at all azimuths, the ratio `e/m` is known, and
 //!
@@ -26,6 +26,8 @@
 //! # References
 //! Lei et al. (2018), *Distribution-free predictive inference for regression*, doi:10.1080/01621459.2017.1307116.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -33,6 +35,7 @@ use serde::{Deserialize, Serialize};
 use super::band::Ends;
 use super::decode::Decoder;
 use super::error::{Error, ErrorStatistics};
+use super::fit::Plane;
 use super::method::Search;
 use super::request::Request;
 use super::shelf::Shelf;
@@ -116,17 +119,25 @@ impl BoundStatistics {
     }
 }
 
-/// The bounds of a map, from a second sweep, so many planes at a time, and the traced errors of some nodes, `[node][azimuth]`.
+/// The skylines that a map is compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct Swept<'a> {
+    pub request: &'a Request<'a>,
+    /// Those at hand; the others are swept again, `block` at a time.
+    pub planes: &'a [Plane],
+    pub block: usize,
+}
+
+/// The bounds of a map, from its swept skylines and the traced errors of some nodes, `[node][azimuth]`.
 pub fn bounds(
-    request: &Request,
+    swept: &Swept,
     shelf: &Shelf,
-    block: usize,
     nodes: &[[usize; 2]],
     errors_rad: &[Vec<f64>],
 ) -> Result<(Bounds, BoundStatistics), Error> {
-    let (level, map) = (request.nodes(), shelf.map());
-    let probed: Vec<usize> = probed(request.settings.azimuths).collect();
-    let largest_rad = largest_errors_rad(request, shelf, block, &probed)?;
+    let (level, map) = (swept.request.nodes(), shelf.map());
+    let probed: Vec<usize> = probed(swept.request.settings.azimuths).collect();
+    let largest_rad = largest_errors_rad(swept, shelf, &probed)?;
     let at = |[column, row]: [usize; 2]| f64::from(largest_rad[row * map.columns + column]).max(least_rad());
     let largest = |errors_rad: &Vec<f64>| errors_rad.iter().fold(0.0, |worst: f64, e| worst.max(e.abs()));
     let ratios = nodes.iter().zip(errors_rad).map(|(node, errors_rad)| largest(errors_rad) / at(*node));
@@ -152,9 +163,13 @@ fn rms_share(bounds: &Bounds, nodes: &[[usize; 2]], errors_rad: &[Vec<f64>]) -> 
 }
 
 /// Every so-many-th azimuth, none of them a cardinal one where there is a choice.
-fn probed(azimuths: usize) -> impl Iterator<Item = usize> {
+pub fn probed(azimuths: usize) -> impl Iterator<Item = usize> {
+    (0..azimuths).filter(move |azimuth| is_probed(*azimuth, azimuths))
+}
+
+pub fn is_probed(azimuth: usize, azimuths: usize) -> bool {
     let step = (azimuths / AZIMUTHS).max(1);
-    (step / 2..azimuths).step_by(step)
+    azimuth % step == step / 2
 }
 
 /// The k-th largest ratio, in the header's digits and not below it; 0 where no node was measured and nothing is known.
@@ -174,20 +189,29 @@ pub fn share_beyond(measured: usize) -> f64 {
     rank(measured) as f64 / (measured + 1) as f64
 }
 
-/// The largest error of each node's series against a sweep of some azimuths.
-fn largest_errors_rad(request: &Request, shelf: &Shelf, together: usize, probed: &[usize]) -> Result<Vec<f32>, Error> {
-    let Request { face, level, settings, .. } = request;
+/// The largest error of each node's series against the skylines of some azimuths.
+fn largest_errors_rad(swept: &Swept, shelf: &Shelf, probed: &[usize]) -> Result<Vec<f32>, Error> {
+    let Request { face, level, settings, .. } = swept.request;
     let (columns, rows) = (shelf.map().columns, shelf.map().rows);
     let mut largest_rad = vec![0.0_f32; columns * rows];
-    let ends = |major: Major| settings.band.map(|band| Ends::of(&band, &face.map, request.nodes(), major));
+    let ends = |major: Major| settings.band.map(|band| Ends::of(&band, &face.map, swept.request.nodes(), major));
+    let at_hand = |azimuth: usize| swept.planes.iter().find(|plane| plane.azimuth == azimuth);
     let row_ends = ends(Major::Row);
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(face, *level, major, settings)?;
-        let plane_ends = ends(major);
         let along = |azimuth: &&usize| Major::of(settings.direction(**azimuth)) == major;
         let azimuths: Vec<usize> = probed.iter().filter(along).copied().collect();
-        for block in azimuths.chunks(together) {
-            let plane = |&azimuth: &usize| super::build::plane(&search, plane_ends.as_ref(), settings, azimuth);
+        let search = match azimuths.iter().all(|azimuth| at_hand(*azimuth).is_some()) {
+            true => None,
+            false => Some((Search::new(face, *level, major, settings)?, ends(major))),
+        };
+        for block in azimuths.chunks(swept.block) {
+            let plane = |&azimuth: &usize| match at_hand(azimuth) {
+                Some(plane) => Ok(Cow::Borrowed(plane)),
+                None => {
+                    let (search, ends) = search.as_ref().expect("made where a plane is not at hand");
+                    super::build::plane(search, ends.as_ref(), settings, azimuth).map(Cow::Owned)
+                }
+            };
             let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
             let directions: Vec<_> = block.iter().map(|azimuth| settings.direction(*azimuth)).collect();
             for strip in shelf.strips() {

@@ -92,6 +92,8 @@ pub struct Builder<'a> {
     /// Azimuths of a block.
     block: usize,
     state: State,
+    /// Planes that the bounds are found from, where there is memory for them.
+    probes: Option<Vec<Plane>>,
     search: Option<(Major, Search<'a>, Option<Ends>)>,
 }
 
@@ -119,8 +121,18 @@ impl<'a> Builder<'a> {
         if !share.sums_fit {
             memory::give_back();
         }
-        let block = share.planes;
-        Ok(Self { request: *request, path: path.into(), checkpoint, order, along_rows, block, state, search: None })
+        let (block, probes) = (share.planes, share.probes_fit.then(Vec::new));
+        Ok(Self {
+            request: *request,
+            path: path.into(),
+            checkpoint,
+            order,
+            along_rows,
+            block,
+            state,
+            probes,
+            search: None,
+        })
     }
 
     /// Azimuths done.
@@ -148,6 +160,10 @@ impl<'a> Builder<'a> {
         self.state.done += block.len();
         if self.state.sums.in_memory() {
             self.state.sums.add(&planes, major);
+            if let Some(probes) = &mut self.probes {
+                let azimuths = settings.azimuths;
+                probes.extend(planes.into_iter().filter(|plane| bound::is_probed(plane.azimuth, azimuths)));
+            }
             return Ok(());
         }
         self.checkpoint.save(&mut self.state, &planes, major)
@@ -168,8 +184,8 @@ impl<'a> Builder<'a> {
             true => (Shelf::Memory(map), bound::BLOCK),
             false => (Shelf::on_disk(map, self.path.with_extension("texels"))?, self.block),
         };
-        let (bounds, statistics) =
-            bound::bounds(&self.request, &shelf, block, &self.state.sample.pixels, &errors.decoded_rad)?;
+        let swept = bound::Swept { request: &self.request, planes: &self.probes.unwrap_or_default(), block };
+        let (bounds, statistics) = bound::bounds(&swept, &shelf, &self.state.sample.pixels, &errors.decoded_rad)?;
         let mut map = shelf.take()?;
         map.errors = errors.statistics(statistics);
         map.bounds = bounds;

@@ -74,6 +74,8 @@ pub struct Exact<'a> {
     twists_m: Vec<f32>,
     /// The steepest step between neighbouring nodes, as a slope.
     steepest: f64,
+    /// Of each receiver, whether it is searched.
+    wanted: Vec<bool>,
     pub receivers: Receivers,
 }
 
@@ -85,7 +87,17 @@ impl<'a> Exact<'a> {
         let receivers = Receivers::new(face, &face.levels[level], major, 0.0, settings);
         let tracer = Tracer::without_finer(face, level, settings);
         let steepest = steepest(&grids[0]);
-        Self { face, level, settings: *settings, major, tracer, grids, twists_m, steepest, receivers }
+        let wanted = vec![true; receivers.observers_m.len()];
+        Self { face, level, settings: *settings, major, tracer, grids, twists_m, steepest, wanted, receivers }
+    }
+
+    /// Searches these nodes of the seen part, (column, row), and leaves the others without a skyline that means anything.
+    pub fn only(mut self, nodes: &[[usize; 2]]) -> Self {
+        self.wanted.fill(false);
+        for node in nodes {
+            self.wanted[self.receivers.index(self.major, *node)] = true;
+        }
+        self
     }
 
     /// Elevations of the skyline in a unit map direction along this axis, as `receivers` are laid out, in radians.
@@ -148,6 +160,9 @@ impl<'a> Exact<'a> {
         for start in (0..r.minors).step_by(LANES) {
             for u in 0..r.majors {
                 let i = u * r.stride + start;
+                if !self.wanted[i..i + LANES].contains(&true) {
+                    continue;
+                }
                 let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
                 let best: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
                 // Lanes without a receiver want nothing.

@@ -66,7 +66,7 @@ pub struct Accumulator {
 }
 
 /// A plane of elevations, row by row with a stride.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Plane {
     /// Index of the azimuth.
     pub azimuth: usize,

@@ -84,7 +84,8 @@ impl OnDevice {
     /// Prepares one level of a face for the azimuths along `major`, on the fastest device.
     pub fn new(face: &Face, level: usize, major: Major, settings: &Settings) -> Result<Self, Error> {
         let gpu = Gpu::open(Adapter::Auto)?;
-        let pipeline = gpu.compute("horizons", include_str!("gpu.wgsl"), "main", &[])?;
+        let shader = concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"));
+        let pipeline = gpu.compute("horizons", shader, "main", &[])?;
         let levels = &face.levels[level..];
         let datum_m = super::sweep::middle_m(&levels[0]);
         let grids: Vec<_> = levels.iter().map(|level| Grid::new(level, major, 0, datum_m)).collect();

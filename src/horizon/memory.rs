@@ -7,7 +7,9 @@
 //! Program, terrain and heights are what they are; if the rest holds the sums they stay in memory, else it goes to planes. A
 //! build never fails for its budget: one plane is the least.
 
+use super::bound;
 use super::fit::Accumulator;
+use super::pack::Encoding;
 use super::request::Request;
 
 const MIB: usize = 1 << 20;
@@ -17,6 +19,8 @@ const PROGRAM: usize = 70 * MIB;
 
 /// Most planes of a thread in a block.
 const PLANES_EACH: usize = 4;
+/// For planes that would otherwise be swept twice: those of a tile of 512² nodes.
+const PROBES: usize = 64 * MIB;
 
 /// Memory that the process may take while it builds a tile, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,11 +38,26 @@ pub struct Share {
     pub sums_fit: bool,
     /// Azimuths that are swept before they are added.
     pub planes: usize,
+    /// Whether those that the bounds are found from are kept until then.
+    pub probes_fit: bool,
 }
 
 impl Memory {
     pub const fn mib(mib: usize) -> Self {
         Self(mib * MIB)
+    }
+
+    /// How many tiles of `side²` nodes, a margin around each, may be made side by side: at least one.
+    pub fn tiles(self, encoding: Encoding, side: usize, margin: usize, azimuths: usize) -> usize {
+        let sums = Accumulator::on_disk(encoding, side, side, azimuths).bytes();
+        // A level and half a dozen coarser ones around it, as they are read and as they are swept.
+        let terrain = 6 * (5 + 8) * (side + 2 * margin).pow(2);
+        (self.0.saturating_sub(PROGRAM) / (2 * sums + terrain)).max(1)
+    }
+
+    /// What each of `tiles` that are made side by side may take, the program counted with each.
+    pub fn shared_by(self, tiles: usize) -> Self {
+        Self(PROGRAM + self.0.saturating_sub(PROGRAM) / tiles)
     }
 
     pub fn share(self, request: &Request) -> Share {
@@ -53,23 +72,42 @@ impl Memory {
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
         let sums = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths).bytes();
         if sums + threads * plane <= left {
+            let probes = bound::probed(request.settings.azimuths).count() * plane;
+            let probes_fit = probes <= PROBES.min(left - sums - threads * plane);
+            let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.
-            let each = ((left - sums) / plane / threads).min(PLANES_EACH);
-            return Share { sums_fit: true, planes: each * threads };
+            let each = ((left - kept) / plane / threads).min(PLANES_EACH);
+            return Share { sums_fit: true, planes: each * threads, probes_fit };
         }
         // A whole number for each thread, so that none waits, if there is one.
         let planes = (left / plane).max(1);
-        Share { sums_fit: false, planes: if planes > threads { planes / threads * threads } else { planes } }
+        let planes = if planes > threads { planes / threads * threads } else { planes };
+        Share { sums_fit: false, planes, probes_fit: false }
     }
 }
+
+/// Lets the C library keep buffers that were freed for the next azimuth's. By itself it returns the end of a thread's heap to the
+/// system, whose pages are then made anew for every plane: a third of the time of exact horizons.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub fn keep() {
+    // SAFETY: may be called at any time by any thread.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20);
+        libc::mallopt(libc::M_TRIM_THRESHOLD, 1 << 30);
+    }
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub fn keep() {}
 
 /// Lets the C library give buffers back to the system as soon as they are free. By itself it raises the size from which it does
 /// (`M_MMAP_THRESHOLD`) to that of the largest buffer that was freed, and keeps some 20 MiB of a tile of 1024² nodes.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn give_back() {
-    // SAFETY: both may be called at any time by any thread.
+    // SAFETY: all may be called at any time by any thread.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 128 << 10);
+        libc::mallopt(libc::M_TRIM_THRESHOLD, 128 << 10);
         libc::malloc_trim(0);
     }
 }

@@ -46,6 +46,14 @@ impl<'a> Search<'a> {
         })
     }
 
+    /// Other nodes than these of the seen part, (column, row), need no skyline: the exact search leaves them out.
+    pub fn only(self, nodes: &[[usize; 2]]) -> Self {
+        match self {
+            Self::Exact(exact) => Self::Exact(Box::new(exact.only(nodes))),
+            whole => whole,
+        }
+    }
+
     pub fn receivers(&self) -> &Receivers {
         match self {
             Self::Sweep(sweep) => &sweep.receivers,

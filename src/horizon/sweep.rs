@@ -95,6 +95,14 @@ impl Receivers {
         Self { majors, minors, stride, margin: level.margin, observers_m }
     }
 
+    /// Where a plane along `major` has a node of the seen part, (column, row).
+    pub fn index(&self, major: Major, [column, row]: [usize; 2]) -> usize {
+        match major {
+            Major::Row => row * self.stride + column,
+            Major::Column => column * self.stride + row,
+        }
+    }
+
     /// The row of receivers at a major index of the level.
     fn row(&self, u: isize) -> Option<usize> {
         let row = u - self.margin as isize;
@@ -170,8 +178,9 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let mut block = Block::default();
         for start in far.starts() {
+            let Some(nearest) = far.nearest_served(start) else { continue };
             far.begin(registers, start, &mut block);
-            for along in (0..fine.majors as isize).rev() {
+            for along in (nearest..fine.majors as isize).rev() {
                 self.serve(registers, far, stencil, along, &mut block, plane);
             }
         }
@@ -191,18 +200,15 @@ impl<'a> Sweep<'a> {
         let (fine, r) = (&self.grids[0], &self.receivers);
         let scale = (1.0 / fine.posting_m) as f32;
         let ahead = along + NEAR as isize + 1;
-        let row = far.row(block, along);
-        // The first receiver lies above the first line.
-        let first = row.low + 1 - r.margin as isize;
-        let from = (-first).clamp(0, BLOCK as isize) as usize;
-        let to = (r.minors as isize - first).clamp(0, BLOCK as isize) as usize;
-        let Some(u) = r.row(row.u).filter(|_| from < to) else {
+        let row = far.row(block.start, along);
+        let Some((u, taken)) = far.seated(&row) else {
             far.advance(registers, ahead, block);
             return;
         };
+        let first = row.low + 1 - r.margin as isize;
         let observers_m = r.lanes_m(u, first);
         // The next row is a page away, where no processor guesses it.
-        let next = far.row(block, along - 1);
+        let next = far.row(block.start, along - 1);
         let next_row = (next.u - r.margin as isize) * r.stride as isize + next.low - r.margin as isize;
         let next_at = fine.at(0, 0).wrapping_add_signed(next.u * fine.stride as isize + next.low);
         for lane in [0, 16, 32] {
@@ -210,7 +216,7 @@ impl<'a> Sweep<'a> {
             prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
             prefetch(&fine.heights_m, next_at.wrapping_add_signed(lane));
         }
-        let seats = Seats { row, from, to, observers_m: &observers_m };
+        let seats = Seats { row, taken, observers_m: &observers_m };
         let asked = far.ask(registers, ahead, block, &seats);
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
@@ -229,11 +235,13 @@ impl<'a> Sweep<'a> {
                 slopes[k] = larger(slopes[k], exact[k] * scale);
             }
         }
-        let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + from as isize)..][..to - from];
-        if from == 0 && to == BLOCK {
+        let Seats { taken, .. } = seats;
+        let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + taken.start as isize)..][..taken.len()];
+        if taken.len() == BLOCK {
+            // A length that the compiler knows.
             seen.copy_from_slice(&slopes[..BLOCK]);
         } else {
-            seen.copy_from_slice(&slopes[from..to]);
+            seen.copy_from_slice(&slopes[taken]);
         }
     }
 

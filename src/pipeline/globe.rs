@@ -24,6 +24,10 @@ pub mod sight;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use rayon::prelude::*;
 
 pub use check::Checks;
 pub use index::{Index, Plan};
@@ -123,12 +127,39 @@ impl Globe {
         store::read(&self.path(tile)).ok()
     }
 
-    /// Makes one tile.
-    fn make(&self, tile: TileId, progress: &horizon::build::Progress) -> Result<(), Error> {
+    /// Makes tiles side by side, one a thread as far as memory reaches. Returns the seconds that each took.
+    fn make_all(&self, tiles: &[TileId], progress: &dyn Progress) -> Result<Vec<f64>, Error> {
+        if tiles.is_empty() {
+            return Ok(Vec::new());
+        }
+        let Plan { encoding, cells, margin, settings, .. } = &self.plan;
+        let fitting = self.memory.tiles(*encoding, cells + 1, *margin, settings.azimuths);
+        let at_once = fitting.min(rayon::current_num_threads());
+        let memory = self.memory.shared_by(at_once);
+        let all = tiles.len() * settings.azimuths;
+        progress.begin(&format!("horizons of {} tiles", tiles.len()), all, "azimuths");
+        let swept = AtomicUsize::new(0);
+        let make = |tile: &TileId| {
+            let (start, of_this) = (Instant::now(), AtomicUsize::new(0));
+            self.make(*tile, memory, &|done, _| {
+                let step = done - of_this.swap(done, Ordering::Relaxed);
+                progress.at(swept.fetch_add(step, Ordering::Relaxed) + step, all);
+            })?;
+            Ok(start.elapsed().as_secs_f64())
+        };
+        let mut seconds = Vec::new();
+        for some in tiles.chunks(at_once) {
+            seconds.extend(some.par_iter().map(make).collect::<Result<Vec<_>, Error>>()?);
+        }
+        Ok(seconds)
+    }
+
+    /// Makes one tile within some memory.
+    fn make(&self, tile: TileId, memory: Memory, progress: &horizon::build::Progress) -> Result<(), Error> {
         let face = build_tile(&self.tree, tile, &self.dem, self.plan.margin)?;
         let Plan { settings, encoding, .. } = self.plan;
         let request = Request { body: &self.tree.body, face: &face, level: 0, settings, encoding };
-        horizon::build_at(&request, &self.path(tile), self.memory, progress)?;
+        horizon::build_at(&request, &self.path(tile), memory, progress)?;
         Ok(())
     }
 }
@@ -141,11 +172,7 @@ pub fn build(body: &Body, options: &Options, progress: &dyn Progress) -> Result<
         return Err(Error::NoTiles { levels: globe.tree.levels });
     }
     let missing: Vec<TileId> = wanted.iter().copied().filter(|tile| globe.read(*tile).is_none()).collect();
-    let azimuths = options.settings.azimuths;
-    progress.begin(&format!("horizons of {} tiles", missing.len()), missing.len() * azimuths, "azimuths");
-    for (index, tile) in missing.iter().enumerate() {
-        globe.make(*tile, &|done, _| progress.at(index * azimuths + done, missing.len() * azimuths))?;
-    }
+    globe.make_all(&missing, progress)?;
     let mut index = Index::of(&globe)?;
     if options.checks > 0 {
         index.checks = Some(check::check(&globe, options.checks, progress)?);

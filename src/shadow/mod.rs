@@ -14,7 +14,7 @@ pub mod fan;
 mod fourier;
 mod lighting;
 mod mipmaps;
-mod multiscale;
+pub mod multiscale;
 pub mod single_azimuth;
 pub mod sky;
 pub mod skylines;

@@ -19,8 +19,10 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
+use super::multiscale::device::OnDevice;
 use super::{Disc, Shadow, Site};
 use crate::geometry::{BodyFixed, Direction, Map, Position};
+use crate::gpu::{Gpu, GpuError};
 use crate::photometry::{DiskLight, HorizonLine};
 use crate::terrain::{Face, Gnomonic, Level, Surface};
 
@@ -61,6 +63,11 @@ pub trait Towards: Debug + Send + Sync {
 
     /// One skyline per seen node of level `level` of face `face`.
     fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath>;
+
+    /// What finds the same on a device; `None` where it is the host that does.
+    fn on_device(&self, _gpu: &Gpu, _surface: &Surface) -> Result<Option<OnDevice>, GpuError> {
+        Ok(None)
+    }
 }
 
 /// A light towards which no horizons were made.

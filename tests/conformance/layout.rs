@@ -8,6 +8,7 @@ use perilune::render::layout::{
     BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
 };
 use perilune::render::passes::{BAKE_SHADER, SHADER};
+use perilune::shadow::multiscale::device;
 
 /// Name and offset of every member of a WGSL struct, and its size.
 fn layout(source: &str, name: &str) -> (Vec<(String, usize)>, usize) {
@@ -74,6 +75,14 @@ fn the_parameters_of_baking_lie_as_the_shader_reads_them() {
     let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_table
         horizon radius_rad padding);
     assert_eq!(layout(&[BAKE_SHADER, &Encoding::Fm16.wgsl()].concat(), "BakeParameters"), host);
+}
+
+#[test]
+fn the_structs_of_multiscale_skylines_lie_as_the_shader_reads_them() {
+    let nodes = host!(device::Nodes: light swath_rad turn first spacing radius_m seen margin offset levels scales);
+    assert_eq!(layout(device::SHADER, "Nodes"), nodes);
+    let image = host!(device::Image: whole rest texels rate per_m start);
+    assert_eq!(layout(device::SHADER, "Image"), image);
 }
 
 #[test]

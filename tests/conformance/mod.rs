@@ -7,6 +7,7 @@ mod directional;
 mod horizon;
 mod layout;
 mod mipmaps;
+mod multiscale;
 mod photometry;
 pub mod render;
 pub mod scenarios;

@@ -110,3 +110,16 @@ fn each_elevation_gets_its_rows_and_a_plot_with_a_frontier() {
     // The lower the Sun, the more is wrong without shadows.
     assert!(number(0, "agreement") < number(3, "agreement"), "{}", report.text());
 }
+
+/// From near the zenith the Sun is seen in many azimuths of a map at once.
+#[test]
+fn a_method_outside_its_domain_has_an_empty_row_and_a_note() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let methods: Vec<String> = ["none", "swath"].map(str::to_owned).into();
+    let options = Options { exposure: 0, pixels: 32, methods, cache: folder.path().join("cache") };
+    let report = matrix::run(&small(folder.path()), &options, &[89.7], 1, &Silent).unwrap();
+    let [none, swath] = &report.tables[0].rows[..] else { panic!("{}", report.text()) };
+    assert!(none[2..5].iter().all(|value| matches!(value, Value::Number(_))));
+    assert!(swath[2..].iter().all(|value| *value == Value::Missing), "{}", report.text());
+    assert!(report.notes.iter().any(|note| note.starts_with("Sun at 89.7°, swath: outside its domain: ")));
+}

@@ -5,6 +5,6 @@ mod encodings;
 mod exact;
 mod gpu;
 mod programs;
-mod scene;
+pub mod scene;
 mod sweep;
 mod tile;

@@ -7,7 +7,7 @@ mod ephemeris;
 mod flow;
 mod globe;
 mod hazards;
-mod horizon;
+pub mod horizon;
 mod labels;
 mod photometry;
 mod raster;

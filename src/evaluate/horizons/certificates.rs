@@ -30,12 +30,8 @@ pub fn table() -> Table {
 pub fn row(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]], truth: &Profiles) -> Vec<Value> {
     let (mut outside, mut widths_rad) = (0, Vec::new());
     for major in [Major::Row, Major::Column] {
-        let exact = Exact::new(&scene.face, 0, major, settings);
-        let stride = exact.receivers.stride;
-        let at = |[column, row]: &[usize; 2]| match major {
-            Major::Row => row * stride + column,
-            Major::Column => column * stride + row,
-        };
+        let exact = Exact::new(&scene.face, 0, major, settings).only(pixels);
+        let at = |pixel: &[usize; 2]| exact.receivers.index(major, *pixel);
         let along: Vec<usize> =
             (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect();
         let found: Vec<(usize, Vec<f64>)> = along

@@ -54,14 +54,10 @@ pub fn traced(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Prof
 pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Result<Profiles, Error> {
     let mut profiles = vec![vec![0.0; settings.azimuths]; pixels.len()];
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(&scene.face, 0, major, settings)?;
+        let search = Search::new(&scene.face, 0, major, settings)?.only(pixels);
         let along: Vec<usize> =
             (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect();
-        let stride = search.receivers().stride;
-        let at = |[column, row]: &[usize; 2]| match major {
-            Major::Row => row * stride + column,
-            Major::Column => column * stride + row,
-        };
+        let at = |pixel: &[usize; 2]| search.receivers().index(major, *pixel);
         let columns = along
             .into_par_iter()
             .map(|azimuth| {

@@ -2,39 +2,39 @@
 //!
 //! The Sun stands still at one azimuth. For each elevation and method the first image gives the *preparation* (maps that
 //! are not in the cache, skylines, upload of the terrain, less one frame), the next ones the time of a *frame*. Errors are
-//! those of [`super::compare`]; images are compared as radiance, white at the truth's 99th percentile, sRGB for FLIP.
+//! those of [`super::compare`]; images are compared as radiance, white at the truth's 99th percentile, sRGB for FLIP. A method
+//! that cannot do an elevation has an empty row, and a note says why.
 //!
 //! ```text
 //! frontier: methods that no other one beats in both time and RMS error
 //! ```
-//!
-//! # Assumptions
-//! A shadow's displacement is along the Sun's direction in the image, in metres of a pixel's width at the median range.
 
 use std::time::Instant;
 
-use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
-use super::methods::Workshop;
-use super::{Options, Trial, compare, picture, reduced, traced_settings, trial};
-use crate::evaluate::images::{Grid, edges, flip, ssim};
+use super::methods::{Workshop, outside_domain};
+use super::truth::{ERRORS, Truth};
+use super::{Options, Trial, picture, reduced, traced_settings, trial};
+use crate::evaluate::kept::Kept;
 use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::statistics::{Errors, median};
+use crate::evaluate::report::Picture;
+use crate::evaluate::statistics::median;
 use crate::evaluate::{Error, Machine, Report, Table, Value};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon::HorizonMap;
-use crate::pipeline::{self, Progress, motion};
+use crate::pipeline::{self, Prepared, Progress, motion};
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Scene, Shadows, View};
+use crate::render::{Renderer, Scene, View};
 use crate::scenario::{self, FixedSun, Scenario};
-use crate::terrain::Ground;
 
 /// Elevations of the Sun's centre in a quick run, in degrees.
 pub const QUICK_DEG: [f64; 3] = [1.5, 6.0, 15.0];
 
-const COLUMNS: [(&str, &str); 15] = [
+/// Before [`ERRORS`].
+const COLUMNS: [(&str, &str); 7] = [
     ("Sun", "deg"),
     ("method", ""),
     ("preparation", "s"),
@@ -42,17 +42,10 @@ const COLUMNS: [(&str, &str); 15] = [
     ("frame", "s"),
     ("least", "s"),
     ("most", "s"),
-    ("agreement", "%"),
-    ("RMS", ""),
-    ("p99", ""),
-    ("penumbra RMS", ""),
-    ("horizon RMS", "deg"),
-    ("SSIM", ""),
-    ("FLIP", ""),
-    ("edge displaced", "m"),
 ];
 
-/// Renders the exposure under a Sun at each elevation with every method and compares.
+/// Renders the exposure under a Sun at each elevation with every method and compares. What a run that was stopped has measured
+/// is not measured again.
 pub fn run(
     scenario: &Scenario,
     options: &Options,
@@ -60,135 +53,157 @@ pub fn run(
     repeat: usize,
     progress: &dyn Progress,
 ) -> Result<Report, Error> {
-    let machine = Machine::here();
-    let mut scenario = Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) };
-    if scenario.terrain.is_none() {
-        return Err(Error::NoTerrain);
-    }
-    if scenario.shows_globe() {
-        return Err(Error::Globe);
-    }
-    // One map serves all elevations.
-    scenario.horizon.band = false;
-    let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
-    let last = prepared.exposures.len() - 1;
-    if options.exposure > last {
-        return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
-    }
-    let mut scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
-    let maps = scene.shadows.maps().unwrap_or_default().to_vec();
-    let sky = crate::ephemeris::horizontal(
-        &prepared.frame.body,
-        prepared.ground.centre,
-        prepared.exposures[options.exposure].sun.direction,
-    );
-    let azimuth_rad = scenario.sun.fixed.map_or(sky.azimuth_rad, |fixed| fixed.azimuth_rad);
-    let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
-
+    let mut bench = Bench::new(scenario, options, repeat, progress)?;
+    let kept = Kept::new(&options.cache, &(scenario, options, elevations_deg, repeat))?;
+    let mut notes = bench.notes();
+    let columns = [&COLUMNS[..], &ERRORS].concat();
     let mut table =
-        Table::new("methods", "Time, memory and error against traced shadows; errors in shares of full Sun", &COLUMNS);
+        Table::new("methods", "Time, memory and error against traced shadows; errors in shares of full Sun", &columns);
     let (mut plots, mut pictures) = (Vec::new(), Vec::new());
     for (index, &elevation_deg) in elevations_deg.iter().enumerate() {
-        let elevation_rad = elevation_deg.to_radians();
-        scenario.sun.fixed = Some(FixedSun { azimuth_rad, elevation_rad, distance_m: ASTRONOMICAL_UNIT_M });
-        let (surface, centre) = (&prepared.ground.surface, prepared.ground.centre);
-        let (all, _) =
-            motion::exposures(std::slice::from_ref(&scenario), &prepared.almanac, &prepared.frame, surface, centre)?;
-        // A swath needs no azimuths but this one's.
-        prepared.exposures = vec![all[options.exposure].clone()];
-        let view = prepared.exposures[0].view.clone();
-        let workshop = Workshop {
-            prepared: &prepared,
-            settings: traced_settings(&scenario),
-            maps: maps.clone(),
-            cache: &options.cache,
-        };
-        let truth = truth(&mut scene, &view, &workshop, elevation_deg, progress)?;
-        let mut points = Vec::new();
-        for method in &options.methods {
-            progress.begin(&format!("{method}, Sun at {elevation_deg}°"), 1, "image");
-            let measured = measure(method, gpu.as_ref(), &mut scene, &view, &workshop, repeat, progress)?;
-            let row = truth.row(&scenario, &view, elevation_deg, &measured);
-            points.push((method.clone(), [measured.frame_s[1], truth.compared(&view, &measured.trial).irradiance.rms]));
-            table.rows.push(row);
-            if index == 0 {
-                pictures.push(picture(&scenario, &truth.trial, &measured.trial, &truth.ground)?);
-            }
-        }
-        plots.push(pareto(elevation_deg, points));
+        let name = format!("sun_{elevation_deg}");
+        let found = kept.step(&name, || bench.measure_all(elevation_deg, index == 0, progress))?;
+        plots.push(pareto(elevation_deg, found.points));
+        table.rows.extend(found.rows);
+        pictures.extend(found.pictures);
+        notes.extend(found.notes);
     }
+    kept.end()?;
     Ok(Report {
         name: "shadows",
         title: format!("Shadows of {} at {} elevations of the Sun", scenario.name, elevations_deg.len()),
-        machine,
-        notes: vec![
-            "Truth: horizons traced over every grid line for 24 columns of the Sun's disc, reference renderer, f64."
-                .into(),
-            format!(
-                "{}×{} pixels, Sun at azimuth {:.1}°; frame: median of {repeat} with the Sun standing still, readback included.",
-                scenario.camera.columns,
-                scenario.camera.rows,
-                azimuth_rad.to_degrees()
-            ),
-            "Preparation counts no horizon maps that the cache had. FLIP stands in for LPIPS, whose trained weights \
-             cannot be shipped."
-                .into(),
-        ],
+        machine: Machine::here(),
+        notes,
         tables: vec![table],
         plots,
         pictures,
     })
 }
 
-/// Truth of one elevation.
-struct Truth {
-    trial: Trial,
-    ground: Vec<bool>,
-    /// Radiance that is shown white.
-    white: f64,
-    /// Along which the ground of the image comes nearer to the Sun, and a pixel's width on it.
-    towards_sun: Option<DVec2>,
-    pixel_m: f64,
+/// What one elevation of the Sun shows.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Found {
+    rows: Vec<Vec<Value>>,
+    /// Methods with the time of a frame and the RMS error.
+    points: Vec<(String, [f64; 2])>,
+    pictures: Vec<Picture>,
+    notes: Vec<String>,
 }
 
-fn truth(
-    scene: &mut Scene,
-    view: &View,
-    workshop: &Workshop,
-    elevation_deg: f64,
-    progress: &dyn Progress,
-) -> Result<Truth, Error> {
-    scene.shadows = Shadows::Traced(workshop.settings);
-    let quantities = std::mem::replace(&mut scene.quantities, vec![Quantity::DemGap]);
-    progress.begin(&format!("traced, Sun at {elevation_deg}°"), 1, "image");
-    let trial = trial("traced, reference".into(), &mut Reference, scene, view)?;
-    scene.quantities = quantities;
-    let centres = &trial.samples.centres;
-    let on_ground = |hit: &crate::terrain::Hit| matches!(hit.ground, Ground::Dem { .. });
-    let ground: Vec<bool> = centres.iter().map(|hit| hit.as_ref().is_some_and(on_ground)).collect();
-    if !ground.contains(&true) {
-        return Err(Error::NoGround { exposure: 0 });
+/// An exposure that is rendered again and again.
+struct Bench<'a> {
+    options: &'a Options,
+    repeat: usize,
+    scenario: Scenario,
+    prepared: Prepared,
+    scene: Scene,
+    maps: Vec<Vec<HorizonMap>>,
+    azimuth_rad: f64,
+    gpu: Option<Gpu>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(scenario: &Scenario, options: &'a Options, repeat: usize, progress: &dyn Progress) -> Result<Self, Error> {
+        let mut scenario = Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) };
+        if scenario.terrain.is_none() {
+            return Err(Error::NoTerrain);
+        }
+        if scenario.shows_globe() {
+            return Err(Error::Globe);
+        }
+        // One map serves all elevations.
+        scenario.horizon.band = false;
+        let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
+        let last = prepared.exposures.len() - 1;
+        if options.exposure > last {
+            return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
+        }
+        let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
+        let maps = scene.shadows.maps().unwrap_or_default().to_vec();
+        let sky = crate::ephemeris::horizontal(
+            &prepared.frame.body,
+            prepared.ground.centre,
+            prepared.exposures[options.exposure].sun.direction,
+        );
+        let azimuth_rad = scenario.sun.fixed.map_or(sky.azimuth_rad, |fixed| fixed.azimuth_rad);
+        let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
+        Ok(Self { options, repeat, scenario, prepared, scene, maps, azimuth_rad, gpu })
     }
-    let radiances = trial.samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr));
-    let white = Errors::of(radiances.filter(|radiance| radiance.is_finite())).p99.max(f64::MIN_POSITIVE);
-    let range_m = median(centres.iter().flatten().map(|hit| hit.distance_m).collect()).unwrap_or(f64::NAN);
-    let pixel_m = range_m / scene.optics.focal_px.x;
-    Ok(Truth { towards_sun: towards_sun(scene, view, &trial), trial, ground, white, pixel_m })
+
+    fn notes(&self) -> Vec<String> {
+        let (camera, repeat) = (&self.scenario.camera, self.repeat);
+        let azimuth_deg = self.azimuth_rad.to_degrees();
+        vec![
+            "Truth: horizons traced over every grid line for 24 columns of the Sun's disc, reference renderer, f64."
+                .into(),
+            format!(
+                "{}×{} pixels, Sun at azimuth {azimuth_deg:.1}°; frame: median of {repeat} with the Sun standing still, \
+                 readback included.",
+                camera.columns, camera.rows
+            ),
+            "Preparation counts no horizon maps that the cache had. FLIP stands in for LPIPS, whose trained weights \
+             cannot be shipped."
+                .into(),
+        ]
+    }
+
+    /// All methods at one elevation.
+    fn measure_all(
+        &mut self,
+        elevation_deg: f64,
+        with_pictures: bool,
+        progress: &dyn Progress,
+    ) -> Result<Found, Error> {
+        let view = self.turn_sun(elevation_deg)?;
+        let Self { options, scenario, prepared, scene, gpu, .. } = self;
+        let workshop =
+            Workshop { prepared, settings: traced_settings(scenario), maps: self.maps.clone(), cache: &options.cache };
+        progress.begin(&format!("traced, Sun at {elevation_deg}°"), 1, "image");
+        let truth = Truth::of(scene, &view, &workshop)?;
+        let mut found = Found::default();
+        for method in &options.methods {
+            progress.begin(&format!("{method}, Sun at {elevation_deg}°"), 1, "image");
+            let measured = match measure(method, scene, &view, &workshop, (gpu.as_ref(), self.repeat), progress) {
+                Ok(measured) => measured,
+                Err(error) => {
+                    let why = outside_domain(method, error)?;
+                    found.rows.push(empty(elevation_deg, method));
+                    found.notes.push(format!("Sun at {elevation_deg}°, {why}"));
+                    continue;
+                }
+            };
+            let [least_s, frame_s, most_s] = measured.frame_s;
+            let mut row = vec![elevation_deg.into(), method.as_str().into()];
+            row.extend([measured.preparation_s, measured.bytes_per_node, frame_s, least_s, most_s].map(Value::from));
+            row.extend(truth.errors(scenario, &view, &measured.trial, measured.horizon_rms_deg));
+            found.rows.push(row);
+            found.points.push((method.clone(), [frame_s, truth.compared(&view, &measured.trial).irradiance.rms]));
+            if with_pictures {
+                found.pictures.push(picture(scenario, &truth.trial, &measured.trial, &truth.ground)?);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The exposure under a Sun at an elevation; it alone remains: a swath needs no azimuths but its own.
+    fn turn_sun(&mut self, elevation_deg: f64) -> Result<View, Error> {
+        let (azimuth_rad, elevation_rad) = (self.azimuth_rad, elevation_deg.to_radians());
+        self.scenario.sun.fixed = Some(FixedSun { azimuth_rad, elevation_rad, distance_m: ASTRONOMICAL_UNIT_M });
+        let Prepared { almanac, frame, ground, .. } = &self.prepared;
+        let points = std::slice::from_ref(&self.scenario);
+        let (mut all, _) = motion::exposures(points, almanac, frame, &ground.surface, ground.centre)?;
+        let exposure = all.swap_remove(self.options.exposure);
+        let view = exposure.view.clone();
+        self.prepared.exposures = vec![exposure];
+        Ok(view)
+    }
 }
 
-/// The direction of the image in which the ground in its middle comes nearer to the Sun.
-fn towards_sun(scene: &Scene, view: &View, trial: &Trial) -> Option<DVec2> {
-    let centres = &trial.samples.centres;
-    let middle = centres.len() / 2 + scene.optics.columns as usize / 2;
-    let hit = centres.get(middle).copied().flatten().or_else(|| centres.iter().flatten().next().copied())?;
-    let camera_m = view.camera_position.vector_m();
-    let here = hit.position.vector_m();
-    let ahead = (view.lights[0].position.vector_m() - here).reject_from(here.normalize()).try_normalize()?;
-    let pixel = |point: glam::DVec3| {
-        let seen = crate::geometry::Direction::new(point - camera_m)?;
-        scene.optics.pixel(view.camera_from_body * seen)
-    };
-    (pixel(here + 1e-3 * hit.distance_m * ahead)? - pixel(here)?).try_normalize()
+/// The row of a method that cannot do an elevation.
+fn empty(elevation_deg: f64, method: &str) -> Vec<Value> {
+    let mut row = vec![elevation_deg.into(), method.into()];
+    row.resize(COLUMNS.len() + ERRORS.len(), Value::Missing);
+    row
 }
 
 /// What a method takes, and its image.
@@ -201,13 +216,13 @@ struct Measured {
     horizon_rms_deg: Option<f64>,
 }
 
+/// The image of a method and its times.
 fn measure(
     method: &str,
-    gpu: Option<&Gpu>,
     scene: &mut Scene,
     view: &View,
     workshop: &Workshop,
-    repeat: usize,
+    (gpu, repeat): (Option<&Gpu>, usize),
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
     let mut renderer: Box<dyn Renderer> = match gpu {
@@ -239,54 +254,6 @@ fn measure(
 fn horizon_rms_deg(maps: &[Vec<HorizonMap>]) -> Option<f64> {
     let rms = |map: &HorizonMap| map.errors.decoded.rms_rad.to_degrees();
     maps.iter().flatten().map(rms).max_by(f64::total_cmp)
-}
-
-impl Truth {
-    fn compared(&self, view: &View, trial: &Trial) -> super::Comparison {
-        let full_w_m2 = view.lights[0].irradiance_w_m2;
-        compare(&self.trial.samples.pixels, &trial.samples.pixels, &self.ground, full_w_m2)
-    }
-
-    fn row(&self, scenario: &Scenario, view: &View, elevation_deg: f64, measured: &Measured) -> Vec<Value> {
-        let found = self.compared(view, &measured.trial);
-        let (columns, rows) = (scenario.camera.columns as usize, scenario.camera.rows as usize);
-        let grid = |trial: &Trial, value: &dyn Fn(&crate::render::planes::Radiometry) -> f64| {
-            let pixels = trial.samples.pixels.iter().zip(&self.ground);
-            let values = pixels.map(|(pixel, ground)| if *ground { value(pixel) } else { f64::NAN }).collect();
-            Grid::new(columns, rows, values)
-        };
-        let shown = |trial: &Trial| {
-            grid(trial, &|pixel| (f64::from(pixel.radiance_w_m2_sr) / self.white).clamp(0.0, 1.0).powf(1.0 / 2.2))
-        };
-        let fraction = |trial: &Trial| grid(trial, &|pixel| f64::from(pixel.sun_fraction));
-        let displaced_m = self.towards_sun.and_then(|towards| {
-            let [tried, truth] = [fraction(&measured.trial), fraction(&self.trial)];
-            let found = edges::displacement(&tried, &truth, 0.5, towards, self.pixel_m);
-            (!found.displacements_px.is_empty()).then(|| {
-                let squares = found.displacements_px.iter().map(|offset| offset * offset).sum::<f64>();
-                (squares / found.displacements_px.len() as f64).sqrt() * self.pixel_m
-            })
-        });
-        let [tried, truth] = [shown(&measured.trial), shown(&self.trial)];
-        let [least_s, frame_s, most_s] = measured.frame_s;
-        vec![
-            elevation_deg.into(),
-            measured.trial.method.as_str().into(),
-            measured.preparation_s.into(),
-            measured.bytes_per_node.into(),
-            frame_s.into(),
-            least_s.into(),
-            most_s.into(),
-            (100.0 * found.agreement).into(),
-            found.irradiance.rms.into(),
-            found.irradiance.p99.into(),
-            found.penumbra.rms.into(),
-            measured.horizon_rms_deg.into(),
-            ssim::mean(&truth, &tried, 1.0).into(),
-            flip::mean(&truth, &tried).into(),
-            displaced_m.into(),
-        ]
-    }
 }
 
 /// The frontier as a line, and points by name upon it.

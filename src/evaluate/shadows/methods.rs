@@ -46,6 +46,16 @@ fn encoded(name: &str) -> Option<(&str, Encoding)> {
     Some((method, encoding.parse().ok()?))
 }
 
+/// What stops a run, or why a method cannot do a scene.
+pub fn outside_domain(method: &str, error: Error) -> Result<String, Error> {
+    match error {
+        Error::Pipeline(why @ pipeline::Error::SwathTooWide { .. }) => {
+            Ok(format!("{method}: outside its domain: {why}."))
+        }
+        other => Err(other),
+    }
+}
+
 /// What methods are made from.
 #[derive(Debug)]
 pub struct Workshop<'a> {

@@ -19,15 +19,19 @@ use rayon::prelude::*;
 
 use super::Options;
 use crate::evaluate::scenes::Scene;
-use crate::evaluate::stability::scenes::{Grid, flat_body};
+use crate::evaluate::stability::scenes::{Grid, flat_body, sun};
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Error, Table, Value};
+use crate::gpu::Gpu;
 use crate::horizon::Settings;
 use crate::horizon::settings::direction;
 use crate::horizon::trace::Tracer;
 use crate::pipeline::Progress;
-use crate::shadow::Multiscale;
+use crate::render::{Light, RenderError};
+use crate::shadow::multiscale::device::OnDevice;
 use crate::shadow::sky::{Harmonics, Wedges};
+use crate::shadow::skylines::{Feet, Skyline};
+use crate::shadow::{HeldLight, Multiscale};
 use crate::terrain::{Level, Terrain};
 
 /// A cone of 45° in the middle of 128² nodes of 1 m.
@@ -45,7 +49,7 @@ const IN_SWATH: usize = 32;
 const LIGHT_DEG: f64 = 30.0;
 
 /// All figures and the table.
-pub fn tables(options: &Options, progress: &dyn Progress) -> Result<Vec<Table>, Error> {
+pub fn tables(options: &Options, gpu: Option<&Gpu>, progress: &dyn Progress) -> Result<Vec<Table>, Error> {
     progress.begin("Snyder, figures 3, 4, 6, 10 and table 1", 3, "parts");
     let cone =
         Grid::square(64.0, 1.0).terrain(&flat_body(), |at_m| (HEIGHT_M * (1.0 - at_m.length() / BASE_M)).max(0.0));
@@ -53,7 +57,7 @@ pub fn tables(options: &Options, progress: &dyn Progress) -> Result<Vec<Table>, 
     progress.at(1, 3);
     let converging = converging(options);
     progress.at(2, 3);
-    let speed = speed(options)?;
+    let speed = speed(options, gpu)?;
     progress.at(3, 3);
     Ok(figures.into_iter().chain([converging, speed]).collect())
 }
@@ -193,16 +197,18 @@ fn scales(level: &Level, level_step: u32) -> f64 {
     (f64::from(level_step) * reach.log2()).floor() + 1.0
 }
 
-/// Table 1: time of all nodes for a key light and for that and an environment, from some of them.
-fn speed(options: &Options) -> Result<Table, Error> {
+/// Table 1: time of all nodes for a key light and for that and an environment, from some of them; of all for a key light on the
+/// device.
+fn speed(options: &Options, gpu: Option<&Gpu>) -> Result<Table, Error> {
     let mut table = Table::new(
         "snyder_1",
-        "Snyder 2008, table 1: k = 4, o = 2, on all cores of the host (paper: Nvidia 8800 Ultra)",
+        "Snyder 2008, table 1: k = 4, o = 2, on all cores of the host, and on the device (paper: Nvidia 8800 Ultra)",
         &[
             ("nodes", "a side"),
             ("scales", ""),
             ("paper's", ""),
             ("key", "Hz"),
+            ("device's key", "Hz"),
             ("paper's key", "Hz"),
             ("key and environment", "Hz"),
             ("paper's both", "Hz"),
@@ -234,12 +240,15 @@ fn speed(options: &Options) -> Result<Table, Error> {
             start.elapsed().as_secs_f64() * (nodes * nodes) as f64 / receivers.len() as f64
         };
         let [key_s, environment_s] = AZIMUTHS.map(timed_s);
+        let device_s = gpu.map(|gpu| device_s(gpu, &terrain)).transpose()?.flatten();
+        let device_hz = device_s.map_or(f64::NAN, |seconds| 1.0 / (seconds + pyramid_s));
         let [key_hz, both_hz] = [key_s + pyramid_s, key_s + environment_s + pyramid_s].map(|seconds| 1.0 / seconds);
         let cells = [
             nodes as f64,
             scales(level, 4),
             paper_scales,
             key_hz,
+            device_hz,
             paper_key,
             both_hz,
             paper_both,
@@ -249,4 +258,23 @@ fn speed(options: &Options) -> Result<Table, Error> {
         table.rows.push(cells.map(Value::from).to_vec());
     }
     Ok(table)
+}
+
+/// Time of all nodes for a key light on a device that has the images; the pyramid is made on the host.
+fn device_s(gpu: &Gpu, terrain: &Terrain) -> Result<Option<f64>, RenderError> {
+    let face = &terrain.faces[0];
+    let method = Multiscale::new(terrain, 4, 2.0, 2f64.to_radians());
+    let Some(device) = OnDevice::new(gpu, &method, terrain)? else { return Ok(None) };
+    let Light { position, angular_radius_rad, .. } = sun(&face.map, 0.6, LIGHT_DEG.to_radians());
+    let light = HeldLight::new(position, angular_radius_rad);
+    let fields = gpu.output("skylines", (Feet::of(&face.levels[0]).count() * size_of::<Skyline>()) as u64);
+    // The driver compiles when it runs a shader for the first time.
+    let mut seconds = f64::NAN;
+    for _ in 0..2 {
+        let start = Instant::now();
+        device.field(gpu, &face.map, [0, 0], &light, &fields, 0);
+        gpu.read::<Skyline>(&fields)?;
+        seconds = start.elapsed().as_secs_f64();
+    }
+    Ok(Some(seconds))
 }

@@ -60,6 +60,9 @@ impl<'a> Beyond<'a> {
             // Neighbours often see the same ridge: where one has found it the next one looks first.
             let mut touched = None;
             for v in 0..r.minors {
+                if !self.exact.wanted[u * r.stride + v] {
+                    continue;
+                }
                 let slope = &mut plane[u * r.stride + v];
                 let foot = self.exact.foot(u, v);
                 let observer = raised(&self.exact.face.map, foot, self.exact.settings.observer_height_m);

@@ -10,6 +10,8 @@
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).
 
+use std::ops::Range;
+
 use super::grid::{Grid, LANES};
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
@@ -56,12 +58,11 @@ pub struct Row {
 }
 
 /// Receivers of a row, the first just above the first line of a block, the others a posting apart.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Seats<'a> {
     pub row: Row,
-    /// Those that exist.
-    pub from: usize,
-    pub to: usize,
+    /// Those that are taken.
+    pub taken: Range<usize>,
     pub observers_m: &'a [f32; LANES],
 }
 
@@ -82,7 +83,7 @@ pub struct Asked {
 /// The lines of a block.
 #[derive(Debug)]
 pub struct Block {
-    start: isize,
+    pub start: isize,
     hulls: [Hull; LINES],
     /// Heights of the last row pushed.
     beyond_m: [f32; LINES],
@@ -124,6 +125,20 @@ impl<'a> Far<'a> {
         (low.floor() as isize - 1..=high.ceil() as isize).step_by(BLOCK)
     }
 
+    /// The nearest row in which a block serves a receiver: what lies before it nobody sees. `None` where it serves nobody.
+    pub fn nearest_served(&self, start: isize) -> Option<isize> {
+        (0..self.fine().majors as isize).find(|along| self.seated(&self.row(start, *along)).is_some())
+    }
+
+    /// The row of receivers that a row is, and which of a block's seats are taken there.
+    pub fn seated(&self, row: &Row) -> Option<(usize, Range<usize>)> {
+        // The first receiver lies above the first line.
+        let first = row.low + 1 - self.receivers.margin as isize;
+        let from = (-first).clamp(0, BLOCK as isize) as usize;
+        let to = (self.receivers.minors as isize - first).clamp(0, BLOCK as isize) as usize;
+        self.receivers.row(row.u).filter(|_| from < to).map(|u| (u, from..to))
+    }
+
     /// The lines of a block with what lies beyond the level on them.
     pub fn begin(&self, registers: Registers, start: isize, block: &mut Block) {
         let posting_m = self.fine().posting_m;
@@ -136,8 +151,8 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// Where a block's lines cross the row `along` steps from the near side.
-    pub fn row(&self, block: &Block, along: isize) -> Row {
+    /// Where the lines of the block that begins with `start` cross the row `along` steps from the near side.
+    pub fn row(&self, start: isize, along: isize) -> Row {
         let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
         let steps = self.ray.sign * (u - self.pivot());
         // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
@@ -145,13 +160,13 @@ impl<'a> Far<'a> {
         // `floor` is a call on targets without SSE 4.1.
         let whole = v as isize;
         let low = whole - isize::from(whole as f64 > v);
-        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: block.start + low, share: v - low as f64 }
+        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
     }
 
     /// Adds the row `along` steps from the near side to the hulls of a block that serves nobody.
     #[inline(always)]
     pub fn advance(&self, registers: Registers, along: isize, block: &mut Block) {
-        let row = self.row(block, along);
+        let row = self.row(block.start, along);
         let Some(heights_m) = self.approach(registers, &row, along, block) else { return };
         for k in 0..LINES {
             block.hulls[k].push(registers, Point { x: row.x, height_m: heights_m[k] });
@@ -181,7 +196,7 @@ impl<'a> Far<'a> {
     /// from the near side, which is to be added next.
     #[inline(always)]
     pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, seats: &Seats) -> Asked {
-        let row = self.row(block, along);
+        let row = self.row(block.start, along);
         let heights_m = self.approach(registers, &row, along, block).unwrap_or([LOWEST_M; LINES]);
         let mut asked = Asked {
             x: row.x,
@@ -263,7 +278,7 @@ impl<'a> Far<'a> {
             slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
         }
         if worst > AGREEMENT {
-            for k in seats.from..seats.to {
+            for k in seats.taken.clone() {
                 if doubts[k] > AGREEMENT {
                     let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
                     let own = if doubts[k] == f32::INFINITY {

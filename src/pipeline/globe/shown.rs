@@ -8,7 +8,6 @@
 //! and the levels around one of them while its horizons are made.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use rayon::prelude::*;
 use serde_json::json;
@@ -111,18 +110,16 @@ impl Shown {
         let given = self.given_globe(&plan)?;
         let directory = cache.join("globe").join(key(&plan));
         let made = self.globe(plan, directory).claimed()?;
-        let (mut maps, count) = (Vec::new(), self.cut.tiles().len());
-        for (face, tile) in self.cut.tiles().enumerate() {
-            let (start, mut built_s) = (Instant::now(), None);
-            progress.begin(&format!("horizons, tile {} of {count}", face + 1), settings.azimuths, "azimuths");
-            let there = given.iter().chain([&made]).find_map(|globe| Some((globe.path(tile), globe.read(tile)?)));
+        let there = |tile| given.iter().chain([&made]).find_map(|globe| Some((globe.path(tile), globe.read(tile)?)));
+        let found: Vec<_> = self.cut.tiles().map(|tile| (tile, there(tile))).collect();
+        let missing: Vec<_> = found.iter().filter(|(_, there)| there.is_none()).map(|(tile, _)| *tile).collect();
+        let mut seconds = made.make_all(&missing, progress)?.into_iter();
+        let mut maps = Vec::new();
+        for (face, (tile, there)) in found.into_iter().enumerate() {
+            let built_s = if there.is_none() { seconds.next() } else { None };
             let (path, (header, map)) = match there {
                 Some(there) => there,
-                None => {
-                    made.make(tile, &|done, total| progress.at(done, total))?;
-                    built_s = Some(start.elapsed().as_secs_f64());
-                    (made.path(tile), crate::horizon::store::read(&made.path(tile)).map_err(Error::from)?)
-                }
+                None => (made.path(tile), crate::horizon::store::read(&made.path(tile)).map_err(Error::from)?),
             };
             finished(&Tile { face, level: 0, path, key: header.key, map: &map, built_s })?;
             maps.push(vec![map]);

@@ -1,4 +1,5 @@
-//! Fields of skylines or of lighting factors on the device: baked there from horizon maps, or found on the host and sent.
+//! Fields of skylines or of lighting factors on the device: made there from horizon maps or images of heights, or found on the
+//! host and sent.
 
 use wgpu::{Buffer, ComputePipeline};
 
@@ -6,6 +7,7 @@ use super::upload::{DeviceGround, fits};
 use crate::gpu::Gpu;
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
+use crate::shadow::multiscale::device::OnDevice;
 use crate::shadow::skylines::{Feet, Field};
 use crate::shadow::{HeldLight, OutsideSwath, Skylines};
 
@@ -24,11 +26,20 @@ const GROUP: usize = 64;
 /// Lights with fields of their own, as offsets in a level.
 const LIGHTS: usize = 4;
 
+/// How the device makes fields.
+#[derive(Debug)]
+enum Maker {
+    /// From horizon maps.
+    Bake(ComputePipeline),
+    /// From images of heights.
+    Multiscale(Box<OnDevice>),
+}
+
 /// The fields of a scene, and the lights that they hold for.
 #[derive(Debug)]
 pub struct DeviceSkylines {
     /// `None`: found on the host.
-    bake: Option<ComputePipeline>,
+    maker: Option<Maker>,
     disk_tables: Buffer,
     /// Where a light's field of each level begins, in texels.
     starts: Vec<usize>,
@@ -58,12 +69,17 @@ impl DeviceSkylines {
         };
         constants.push(("FACTORS", f64::from(u8::from(factors.is_some()))));
         constants.extend(factors.unwrap_or_default().constants());
-        let bake = match scene.shadows {
-            Shadows::Baked(_) | Shadows::Lighting(_) => Some(gpu.compute("bake", &shader, "main", &constants)?),
+        let maker = match &scene.shadows {
+            Shadows::Baked(_) | Shadows::Lighting(_) => {
+                Some(Maker::Bake(gpu.compute("bake", &shader, "main", &constants)?))
+            }
+            Shadows::Towards(method) => {
+                method.on_device(gpu, &scene.surface)?.map(|method| Maker::Multiscale(Box::new(method)))
+            }
             _ => None,
         };
         let disk_tables = gpu.storage("disc tables", &scene.disk.tables());
-        Ok(Self { bake, disk_tables, starts, texels, host: Skylines::default(), made: None })
+        Ok(Self { maker, disk_tables, starts, texels, host: Skylines::default(), made: None })
     }
 
     /// The fields towards these lights and what making them took on the device.
@@ -77,8 +93,8 @@ impl DeviceSkylines {
         if self.made.as_ref().is_some_and(|(held, _)| held == lights) {
             return Ok(Some(0.0));
         }
-        let (seconds, buffer) = match &self.bake {
-            Some(pipeline) => self.bake(gpu, pipeline, scene, ground, lights),
+        let (seconds, buffer) = match &self.maker {
+            Some(maker) => self.make(gpu, maker, scene, ground, lights),
             None => (Some(0.0), self.send(gpu, scene, lights)?),
         };
         self.made = Some((lights.to_vec(), buffer));
@@ -95,10 +111,10 @@ impl DeviceSkylines {
         MapLevel { horizon: std::array::from_fn(offset), has_horizon: 1, ..level }
     }
 
-    fn bake(
+    fn make(
         &self,
         gpu: &Gpu,
-        pipeline: &ComputePipeline,
+        maker: &Maker,
         scene: &Scene,
         ground: &DeviceGround,
         lights: &[HeldLight],
@@ -108,19 +124,36 @@ impl DeviceSkylines {
         for (light, held) in lights.iter().enumerate() {
             for (start, level) in self.starts.iter().zip(&ground.levels) {
                 let map = &scene.surface.terrain.faces[level.face].map;
-                let offset = (light * self.texels + start) as u32;
-                let parameters = BakeParameters::new(map, &level.shader, held, offset);
-                let parameters = gpu.storage("bake", &[parameters]);
-                let [a, b, c, d] = &ground.texels;
-                let nodes = level.shader.columns as usize * level.shader.rows as usize;
-                let groups = nodes.div_ceil(PER_TEXEL * GROUP);
-                let across = groups.min(1 << 15);
-                let groups = [across as u32, groups.div_ceil(across) as u32, 1];
-                let spent = gpu.run(pipeline, &[a, b, c, d, &parameters, &fields, &self.disk_tables], groups);
+                let offset = light * self.texels + start;
+                let spent = match maker {
+                    Maker::Bake(pipeline) => {
+                        let parameters = BakeParameters::new(map, &level.shader, held, offset as u32);
+                        self.bake(gpu, pipeline, ground, &parameters, &fields)
+                    }
+                    Maker::Multiscale(method) => {
+                        method.field(gpu, map, [level.face, level.level], held, &fields, PER_TEXEL * offset)
+                    }
+                };
                 seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             }
         }
         (seconds, fields)
+    }
+
+    fn bake(
+        &self,
+        gpu: &Gpu,
+        pipeline: &ComputePipeline,
+        ground: &DeviceGround,
+        parameters: &BakeParameters,
+        fields: &Buffer,
+    ) -> Option<f64> {
+        let [a, b, c, d] = &ground.texels;
+        let groups = (parameters.columns as usize * parameters.rows as usize).div_ceil(PER_TEXEL * GROUP);
+        let across = groups.min(1 << 15);
+        let groups = [across as u32, groups.div_ceil(across) as u32, 1];
+        let parameters = gpu.storage("bake", &[*parameters]);
+        gpu.run(pipeline, &[a, b, c, d, &parameters, fields, &self.disk_tables], groups)
     }
 
     fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[HeldLight]) -> Result<Buffer, OutsideSwath> {
@@ -143,9 +176,9 @@ impl DeviceSkylines {
         PER_TEXEL * (light * self.texels + self.starts[before + level])
     }
 
-    /// The fields towards these lights of a method that the host carries out; a device's are made elsewhere.
+    /// The fields towards these lights as the host finds them; baked ones are made elsewhere.
     pub fn found_on_host(&mut self, scene: &Scene, lights: &[HeldLight]) -> Result<Skylines, OutsideSwath> {
-        if let Some(method) = scene.shadows.towards().filter(|_| self.bake.is_none()) {
+        if let Some(method) = scene.shadows.towards().filter(|_| !matches!(self.maker, Some(Maker::Bake(_)))) {
             self.host = self.host.towards(&scene.surface, method, lights)?;
         }
         Ok(self.host.clone())

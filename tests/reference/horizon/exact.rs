@@ -135,6 +135,27 @@ fn nested_levels_are_exact() {
     }
 }
 
+/// What lies beside them is left out.
+#[test]
+fn nodes_searched_alone_have_the_skylines_that_they_have_among_all() {
+    let face = nested([101, 121, 151]);
+    let (settings, nodes) = (Settings::default(), [[0, 0], [17, 40], [40, 17], [70, 70]]);
+    for azimuth in [0, 45, 100, 222] {
+        let direction = settings.direction(azimuth);
+        let major = Major::of(direction);
+        let [all, alone] = [false, true].map(|only| {
+            let exact = Exact::new(&face, 0, major, &settings);
+            let exact = if only { exact.only(&nodes) } else { exact };
+            let intervals = exact.intervals_rad(direction);
+            nodes.map(|node| intervals[exact.receivers.index(major, node)])
+        });
+        for (all, alone) in all.into_iter().zip(alone) {
+            // A neighbour's find is where the next one looks first: the last bit of a slope.
+            assert!((all.low_rad - alone.low_rad).abs() < 5e-7 && alone.low_rad > -1.0, "{azimuth}: {all:?} {alone:?}");
+        }
+    }
+}
+
 /// Below the horizontal nothing but the sphere and its chords is in sight.
 #[test]
 fn a_bare_sphere_is_exact() {
