@@ -11,7 +11,7 @@
 //! errors measured on the texels themselves: for each coefficient and each number of bits the step is the best of a
 //! few, so that rare large values are clipped if that pays. An error of a coarse page that the next finer one
 //! quantises with `b` bits shrinks by `2^−b` there; the coarse one's errors are weighed by what is left of them, which
-//! needs the finer pages' bits: the pyramid is filled four times. How many harmonics have bits is the tile's own choice.
+//! needs the finer pages' bits: the pyramid is filled five times. How many harmonics have bits is the tile's own choice.
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
@@ -44,7 +44,7 @@ const OCTAVES: f32 = 5.4;
 /// with a few rims or needles are about 0, and few bits should be able to say so.
 const SHIFTS: [f32; 3] = [0.0, 0.5, -0.5];
 /// Times that the pyramid is filled.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
 /// An error is never thought to vanish in finer pages.
 const LEAST_WEIGHT: f64 = 1e-3;
 
