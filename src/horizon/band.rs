@@ -17,7 +17,7 @@
 //! |---|---|---|---|
 //! | 15 harmonics, full resolution, exact: none; margin 4; 2; ½ | 0.68; 0.61; 0.54; 0.42 | 0.74; 0.76; 0.77; 0.99 | 0.76; 0.75; 0.70; 0.70 |
 //! | 31 harmonics, the same | 0.30; 0.25; 0.25; 0.18 | 0.36; 0.34; 0.35; 0.49 | 0.39; 0.37; 0.37; 0.45 |
-//! | `w21`: none; margin 4; 2; 1 | 0.39; 0.35; 0.32; 0.30 | 0.44; 0.40; 0.41; 0.46 | 0.47; 0.43; 0.42; 0.44 |
+//! | `w21` of 31 harmonics: none; margin 4; 2; 1 | 0.39; 0.35; 0.32; 0.30 | 0.44; 0.40; 0.41; 0.46 | 0.47; 0.43; 0.42; 0.44 |
 //!
 //! Most of `fm16`'s error is lost resolution, which no band gives back. What clamping leaves is the ringing of the corners
 //! that it makes itself. A series free to take any value beyond the band on the right side (twenty alternating projections)
@@ -32,8 +32,9 @@
 //! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
 //!
 //! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and with the
-//! band, 1 and 0.99 in `fm16` (1.3 on cratered highland and both real models), 0.46 and 0.36 in `w21`, 0.55 and 0.42 in `w16`. It gains
-//! most where cliffs ring (blocks 0.65 and 0.21, needles 0.89 and 0.64) and nothing on the connecting ridge (0.31 and 0.32). So it is not the default.
+//! band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.42 and 0.30 in `w21`, 0.51 and 0.36 in `w16`; the RMS in
+//! penumbras 0.58 and 0.50 in `w21`. It gains most where cliffs ring (blocks 0.61 and 0.15, needles 0.84 and 0.56) and little on the
+//! connecting ridge (0.31 and 0.28). So it is not the default.
 //!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun

@@ -15,6 +15,19 @@
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
+//! What limits it, in shares of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven scenes), patches of 96² nodes,
+//! beside exact series at full resolution (numerical experiment):
+//!
+//! | scene | 31 harmonics | 47 | 63 | `w21` with up to 31 | with up to 47 |
+//! |---|---|---|---|---|---|
+//! | cratered | 0.24 | 0.12 | 0.07 | 0.36 | 0.30 |
+//! | smooth | 0.28 | 0.15 | 0.09 | 0.31 | 0.21 |
+//! | blocks | 0.45 | 0.31 | 0.24 | 0.64 | 0.58 |
+//! | needles of one node | 0.79 | 0.69 | 0.60 | 0.90 | 0.84 |
+//! | connecting ridge | 0.11 | 0.07 | 0.04 | 0.31 | 0.30 |
+//!
+//! Bits are what is missing but on needles: they are narrower than the waves. In their penumbras all of these series have 0.98 to 0.99 of `fm16`'s error.
+//!
 //! # References
 //! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3. Burt & Adelson (1983), *The Laplacian pyramid as a
 //! compact image code*, doi:10.1109/TCOM.1983.1095851.
