@@ -291,7 +291,8 @@ fn add_scaled(planes: &[f32], weights: &[Vec<f32>], sums: &mut [f32], width: usi
                     continue;
                 }
                 let plane = &plane[start..start + stretch];
-                if let Some(plane) = plane.as_array::<STRETCH>() {
+                // Of a length that is known the sums stay in registers.
+                if let Ok(plane) = <&[f32; STRETCH]>::try_from(plane) {
                     added.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
                 } else {
                     added.iter_mut().zip(plane).for_each(|(sum, value)| *sum += weight * value);
