@@ -30,7 +30,8 @@ enum Bench {
         #[arg(long = "part", value_name = "NAME", value_parser = horizons::PARTS)]
         parts: Vec<String>,
     },
-    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: small patches of two scenes
+    /// Every encoding of horizon maps: bytes, horizons and shadows, beside the uncompressed ones. Quick: small patches of
+    /// two scenes
     Encodings {
         #[command(flatten)]
         tables: Tables,

@@ -13,10 +13,11 @@
 //! along `Q v` in the axes that were told.
 //!
 //! # Assumptions
-//! The place stays: a shift of the ground and a turn are one and the same in a single image, to the parallax of its
-//! relief. A scale may be told as the focal length or as the distance. Deviations are the motion's, one by one; errors of
-//! the shading and of the terrain that the whole image shares are not in them: on a known scene of 144 pixels the turns
-//! come to rest within 1.6 of them, the focal length 4 of them off, 3e-4 or 0.02 pixels at the image's edge. A scanner's scale along its track is its speed, which no focal length explains: [`PoseFit::left_px`] tells what is left.
+//! The place stays: a shift of the ground and a turn are one and the same in a single image, to the parallax of its relief.
+//! A scale may be told as the focal length or as the distance. Deviations are the motion's, one by one; errors of the
+//! shading and of the terrain that the whole image shares are not in them: on a known scene of 144 pixels the turns come to
+//! rest within 1.6 of them, the focal length 4 of them off, 3e-4 or 0.02 pixels at the image's edge. A scanner's scale
+//! along its track is its speed, which no focal length explains: [`PoseFit::left_px`] tells what is left.
 
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;

@@ -22,8 +22,9 @@
 //! repeat on one machine; another mathematics library may change last digits, far below the fit's error.
 //!
 //! # References
-//! SOFA, <https://www.iausofa.org>. Moisson and Bretagnon (2001), Celest. Mech. Dyn. Astron. 80, 205. Simon et al. (1994), Astron. Astrophys. 282, 663. Meeus (1998), Astronomical
-//! Algorithms, 2nd ed., chapter 47. Park et al. (2021), doi:10.3847/1538-3881/abd414, for the mass ratio.
+//! SOFA, <https://www.iausofa.org>. Moisson and Bretagnon (2001), Celest. Mech. Dyn. Astron. 80, 205. Simon et al. (1994),
+//! Astron. Astrophys. 282, 663. Meeus (1998), Astronomical Algorithms, 2nd ed., chapter 47. Park et al. (2021),
+//! doi:10.3847/1538-3881/abd414, for the mass ratio.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};

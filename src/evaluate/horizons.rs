@@ -1,10 +1,10 @@
 //! Speed and error of horizons: swept, compressed, and as shadows.
 //!
-//! A *sample* is the horizon of one node in one azimuth. Speed is samples over the seconds that a thread spends on a
-//! core, so that other programs' work does not count; errors are against [`crate::horizon::trace`], at pixels spread evenly over the
-//! level, in all azimuths. Shadows are decided by the same horizons: a sample is lit where its horizon is below the
-//! Sun's centre, and in the penumbra the share of a uniform disc above a level line at the horizon's elevation stands
-//! for the irradiance.
+//! A *sample* is the horizon of one node in one azimuth. Speed is samples over the seconds that a thread spends on a core,
+//! so that other programs' work does not count; errors are against [`crate::horizon::trace`], at pixels spread evenly over
+//! the level, in all azimuths. Shadows are decided by the same horizons: a sample is lit where its horizon is below the
+//! Sun's centre, and in the penumbra the share of a uniform disc above a level line at the horizon's elevation stands for
+//! the irradiance.
 
 pub mod certificates;
 pub mod curvature;

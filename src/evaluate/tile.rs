@@ -9,9 +9,9 @@
 //! |m₁ − m₂| ≤ 5 √(s₁²/n₁ + s₂²/n₂)
 //! ```
 //!
-//! The measured sample lies beyond its bounds ([`crate::horizon::bound`]) as often as the header counts, to the sample. Of the drawn one, nodes may lie beyond
-//! theirs as often as chance allows where a share `k/(n₁ + 1)` is expected to: `n₂ p + 5 √(n₂ p (1 − p) (1 + n₂/(n₁ + 1)))`, the last factor
-//! since the share itself is known from `n₁` nodes only.
+//! The measured sample lies beyond its bounds ([`crate::horizon::bound`]) as often as the header counts, to the sample. Of
+//! the drawn one, nodes may lie beyond theirs as often as chance allows where a share `k/(n₁ + 1)` is expected to:
+//! `n₂ p + 5 √(n₂ p (1 − p) (1 + n₂/(n₁ + 1)))`, the last factor since the share itself is known from `n₁` nodes only.
 //!
 //! In a tile with a band of elevations, decoded and traced skylines beyond it count as its ends, as they do in the header.
 //!

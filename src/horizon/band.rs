@@ -31,10 +31,10 @@
 //! | connecting ridge, 5 km within 100 km | 1.9° | 99.61, 99.60 % | 0.00132, 0.00124 | 0.0088, 0.0083 |
 //! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
 //!
-//! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and with the
-//! band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.42 and 0.30 in `w21`, 0.51 and 0.36 in `w16`; the RMS in
-//! penumbras 0.58 and 0.50 in `w21`. It gains most where cliffs ring (blocks 0.61 and 0.15, needles 0.84 and 0.56) and little on the
-//! connecting ridge (0.31 and 0.28). So it is not the default.
+//! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and
+//! with the band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.42 and 0.30 in `w21`, 0.51 and
+//! 0.36 in `w16`; the RMS in penumbras 0.58 and 0.50 in `w21`. It gains most where cliffs ring (blocks 0.61 and 0.15,
+//! needles 0.84 and 0.56) and little on the connecting ridge (0.31 and 0.28). So it is not the default.
 //!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun
@@ -50,10 +50,11 @@ use super::sweep::grid::Major;
 use crate::geometry::{BodyFixed, Direction};
 use crate::terrain::{Gnomonic, Level};
 
-/// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the reach, so
-/// 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge the RMS
-/// error of the irradiance (`fm16`) was 1.40, 1.20, 1.01, 0.93, 0.97, 1.10 of that without a band at 0.5, 1, 2, 4, 8, 16 radii. What errs less
-/// asks for less: in penumbras `w21` has 0.51, 0.49, 0.48 of the RMS of `fm16` without a band at 4, 3, 2 radii (seven scenes of 96² nodes).
+/// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the
+/// reach, so 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge
+/// the RMS error of the irradiance (`fm16`) was 1.40, 1.20, 1.01, 0.93, 0.97, 1.10 of that without a band at 0.5, 1, 2, 4,
+/// 8, 16 radii. What errs less asks for less: in penumbras `w21` has 0.51, 0.49, 0.48 of the RMS of `fm16` without a band
+/// at 4, 3, 2 radii (seven scenes of 96² nodes).
 pub const MARGIN_RADII: f64 = 3.0;
 
 /// The middle and the reach are rounded to this, so that a header reads back as itself and other machines find the tile.

@@ -2,17 +2,17 @@
 //!
 //! A renderer may trust a shadow where the light stands further from the decoded skyline than the node's bound `B`. For
 //! each node the largest error `m` of the decoded series against the swept skyline is found over every `s`-th azimuth
-//! ([`AZIMUTHS`] of them, kept from the sweep or, for large tiles, swept again: a sixth of the work where 360 were swept). Between those azimuths
-//! the error may be larger, and the sweep itself errs: on the nodes that a tile measures itself on, whose error `e` against
-//! *traced* skylines is known at all azimuths, the ratio `e/m` is known, and
+//! ([`AZIMUTHS`] of them, kept from the sweep or, for large tiles, swept again: a sixth of the work where 360 were swept).
+//! Between those azimuths the error may be larger, and the sweep itself errs: on the nodes that a tile measures itself on,
+//! whose error `e` against *traced* skylines is known at all azimuths, the ratio `e/m` is known, and
 //!
 //! ```text
 //! B = f · max(m, m₀)      f = the k-th largest e/max(m, m₀) of n measured nodes,  k = max(1, ⌊(n + 1)/20⌋)
 //! ```
 //!
 //! By split-conformal prediction a node drawn like the measured ones lies, at *every* azimuth, within its bound with
-//! probability `1 − k/(n + 1)` or more: 95 % for 64 nodes, whatever the terrain. The header counts the measured nodes and samples that do not.
-//! The bound is stored rounded up:
+//! probability `1 − k/(n + 1)` or more: 95 % for 64 nodes, whatever the terrain. The header counts the measured nodes and
+//! samples that do not. The bound is stored rounded up:
 //!
 //! ```text
 //! B = 2^(c/16 − 15) rad      c = 0 … 254: 0.0017° to 105° in steps of 4.4 %      c = 255: nothing is known

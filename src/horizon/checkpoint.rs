@@ -1,7 +1,8 @@
 //! What an interrupted build needs to go on, and the sums of one that is short of memory.
 //!
 //! The file holds the tile's key, the number of azimuths done, the sampled profiles and the sums, and a SHA-256 over all of
-//! it. Whatever does not match is ignored: the build starts afresh. It is written beside and renamed, so that a kill leaves a whole one.
+//! it. Whatever does not match is ignored: the build starts afresh. It is written beside and renamed, so that a kill leaves
+//! a whole one.
 //!
 //! A build whose sums do not fit into its memory adds planes by writing the file anew, a piece of the sums at a time. Numbers are
 //! added in the same order either way: to the same bytes.

@@ -9,8 +9,8 @@
 //! M − H₀ ≤ s t   for all t in a … b,   that is   M − H₀ ≤ min(s a, s b)
 //! ```
 //!
-//! Stretches for which no receiver of a group passes this test are left out, the others are halved, quartered and at last searched
-//! crossing by crossing. Coarser levels are bounded by the same maxima, receiver by receiver, and searched by the
+//! Stretches for which no receiver of a group passes this test are left out, the others are halved, quartered and at last
+//! searched crossing by crossing. Coarser levels are bounded by the same maxima, receiver by receiver, and searched by the
 //! trace itself ([`beyond`]). Neither sampling nor interpolation takes part: what remains is the rounding of `f32`.
 //!
 //! # The certificate

@@ -151,6 +151,14 @@ impl Accumulator {
         4 * self.groups.iter().map(|group| group.sums.length()).sum::<usize>()
     }
 
+    /// What [`Self::map`] takes beside the sums: of a pyramid of fields the coarse means, and what is decoded of them.
+    pub fn fit_bytes(&self) -> usize {
+        match self.encoding.family() {
+            Family::Fields => 2 * self.bytes() / 3,
+            Family::Halves | Family::Samples => 0,
+        }
+    }
+
     /// Adds planes in their order to sums in memory.
     pub fn add(&mut self, planes: &[Plane], major: Major) {
         for index in 0..self.groups.len() {

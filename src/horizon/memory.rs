@@ -1,11 +1,12 @@
 //! How much memory a build takes, and what it does with it.
 //!
 //! ```text
-//! budget = program + terrain + prepared heights + sums (or a piece of them) + planes
+//! budget = program + terrain + prepared heights + sums and their fit (or a piece of the sums) + planes
 //! ```
 //!
-//! Program, terrain and heights are what they are; if the rest holds the sums they stay in memory, else it goes to planes. A
-//! build never fails for its budget: one plane is the least.
+//! Program, terrain and heights are what they are; if the rest holds the sums and what their fit takes they stay in memory, else
+//! it goes to planes. A build never fails for its budget: one plane is the least, and the fit of a pyramid of fields, whose
+//! coarse means are in memory, takes what it takes.
 
 use super::bound;
 use super::fit::Accumulator;
@@ -49,10 +50,11 @@ impl Memory {
 
     /// How many tiles of `side²` nodes, a margin around each, may be made side by side: at least one.
     pub fn tiles(self, encoding: Encoding, side: usize, margin: usize, azimuths: usize) -> usize {
-        let sums = Accumulator::on_disk(encoding, side, side, azimuths).bytes();
+        let accumulator = Accumulator::on_disk(encoding, side, side, azimuths);
+        let sums = accumulator.bytes() + accumulator.fit_bytes();
         // A level and half a dozen coarser ones around it, as they are read and as they are swept.
         let terrain = 6 * (5 + 8) * (side + 2 * margin).pow(2);
-        (self.0.saturating_sub(PROGRAM) / (2 * sums + terrain)).max(1)
+        (self.0.saturating_sub(PROGRAM) / (sums + terrain)).max(1)
     }
 
     /// What each of `tiles` that are made side by side may take, the program counted with each.
@@ -70,7 +72,8 @@ impl Memory {
         let terrain = all(5);
         let prepared = all(4) + 4 * nodes.heights_m.len() + plane;
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
-        let sums = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths).bytes();
+        let accumulator = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths);
+        let sums = accumulator.bytes() + accumulator.fit_bytes();
         if sums + threads * plane <= left {
             let probes = bound::probed(request.settings.azimuths).count() * plane;
             let probes_fit = probes <= PROBES.min(left - sums - threads * plane);

@@ -10,8 +10,8 @@
 //! towards map right (+X), a frame that is smooth over a tile even at a pole.
 //! [`crate::terrain::Gnomonic::map_direction`] gives the map direction of any direction in space.
 //!
-//! The surface is bilinear in lifted height between the nodes of the finest level that covers a point. Gaps do not occlude. Beyond the
-//! last level lies the bare sphere, lowered to the feet of an observer who stands below it.
+//! The surface is bilinear in lifted height between the nodes of the finest level that covers a point. Gaps do not occlude.
+//! Beyond the last level lies the bare sphere, lowered to the feet of an observer who stands below it.
 
 pub mod band;
 pub mod bound;

@@ -4,8 +4,8 @@
 //! h(x, y, A) = Σ numbers  weight(name, A) · bilinear(value)(x, y)
 //! ```
 //!
-//! Files keep them as whole numbers in planes ([`super::pages`]), [`super::decode`] sums them. A half float becomes a whole number that
-//! keeps its order:
+//! Files keep them as whole numbers in planes ([`super::pages`]), [`super::decode`] sums them. A half float becomes a whole
+//! number that keeps its order:
 //!
 //! ```text
 //! i = bits as a two's complement number;  x = i where i ≥ 0, i xor 0x7fff where i < 0      (its own inverse)

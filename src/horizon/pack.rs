@@ -12,11 +12,12 @@
 //! between texel centres, the first and last texels reaching to the map's edge: texel `i` of scale `s` is centred at grid
 //! `(i + ½) s − ½`. All encodings are linear in their words' values, so that interpolation and evaluation commute.
 //!
-//! At the nodes `w21` errs by a third of `fm16`'s pixel error, in images by less: there, interpolation between nodes errs as much as
-//! `fm16` does. On the connecting ridge under a Sun of 1.9°, RMS in shares of full Sun, ground of 10 m: skylines swept at the nodes
-//! 0.00099, `f16` 0.00130, `w21` 0.00135, `fm16` 0.00180; where the terrain of 240 m fills the picture 0.0058, 0.0057, 0.0072, 0.0044:
-//! what a cell does between its nodes decides, whatever they hold. Decoding fields takes a software device half as long again or twice
-//! as long as half floats, and fitting them a tile's memory three times over: for images `fm16` stays the default.
+//! At the nodes `w21` errs by a third of `fm16`'s pixel error, in images by less: there, interpolation between nodes errs
+//! as much as `fm16` does. On the connecting ridge under a Sun of 1.9°, RMS in shares of full Sun, ground of 10 m: skylines
+//! swept at the nodes 0.00099, `f16` 0.00130, `w21` 0.00135, `fm16` 0.00180; where the terrain of 240 m fills the picture
+//! 0.0058, 0.0057, 0.0072, 0.0044: what a cell does between its nodes decides, whatever they hold. Decoding fields takes a
+//! software device half as long again or twice as long as half floats, and fitting them a tile's memory three times over:
+//! for images `fm16` stays the default.
 //!
 //! # References
 //! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, doi:10.2312/hpg.20251171.
@@ -125,7 +126,8 @@ impl HorizonMap {
         self.bound_rad(grid).map(|bound_rad| self.errors.bound.rms_share * bound_rad)
     }
 
-    /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing is known.
+    /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing
+    /// is known.
     pub fn bound_rad(&self, grid: DVec2) -> Option<f64> {
         self.bounds.bound_rad(grid)
     }

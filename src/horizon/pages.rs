@@ -1,14 +1,15 @@
 //! A map's texels as pages of whole numbers.
 //!
-//! A page is one of the [`super::numbers`] of all texels of a level, less the least of them, as an image of 8- or 16-bit unsigned
-//! numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal predictor leaves of half floats are
-//! small and deflate packs them. Fields are what coarser pages leave and are stored as they are.
+//! A page is one of the [`super::numbers`] of all texels of a level, less the least of them, as an image of 8- or 16-bit
+//! unsigned numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal
+//! predictor leaves of half floats are small and deflate packs them. Fields are what coarser pages leave and are stored as
+//! they are.
 //!
 //! The last page holds the codes of [`super::bound`].
 //!
-//! Measured on 512² nodes of cratered highland, the south polar cap and the connecting ridge, in bytes a node: half floats by fours
-//! and deflated 18.7, 18.7, 18.5; these pages 15.7, 15.8, 15.8. Predicting from three neighbours (MED) and splitting
-//! bytes would give 13.3, 13.7, 13.7, in a file that no reader of TIFF makes sense of.
+//! Measured on 512² nodes of cratered highland, the south polar cap and the connecting ridge, in bytes a node: half floats
+//! by fours and deflated 18.7, 18.7, 18.5; these pages 15.7, 15.8, 15.8. Predicting from three neighbours (MED) and
+//! splitting bytes would give 13.3, 13.7, 13.7, in a file that no reader of TIFF makes sense of.
 
 use std::io::{Read, Seek, Write};
 

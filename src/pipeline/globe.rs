@@ -4,9 +4,9 @@
 //! global DEM --windows--> levels around a tile --sweep, fit--> tile      for all tiles of the quad-tree -> index
 //! ```
 //!
-//! Each tile is made on its own, from windows of the model: what it holds depends neither on the other tiles nor on which of them are
-//! asked for, and no more is in memory than its own levels. Tiles that are there are kept, so that a run which was
-//! stopped goes on where it was; a folder holds the tiles of one plan only.
+//! Each tile is made on its own, from windows of the model: what it holds depends neither on the other tiles nor on which
+//! of them are asked for, and no more is in memory than its own levels. Tiles that are there are kept, so that a run which
+//! was stopped goes on where it was; a folder holds the tiles of one plan only.
 //!
 //! Parents are swept over their own ground, means at twice the posting of their children's: they are the horizons of the surface
 //! that a renderer shows at that level of detail.

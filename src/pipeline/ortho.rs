@@ -11,8 +11,8 @@
 //! NaN, as those whose pixel has no value.
 //!
 //! # Assumptions
-//! A cell hidden by less than its own side counts as seen. Lengths on the map are `1 + ρ²/4R²` times those on the ground, `ρ` from
-//! its centre: 1.0003 at 60 km on the Moon.
+//! A cell hidden by less than its own side counts as seen. Lengths on the map are `1 + ρ²/4R²` times those on the ground,
+//! `ρ` from its centre: 1.0003 at 60 km on the Moon.
 
 use glam::DVec2;
 use rayon::prelude::*;

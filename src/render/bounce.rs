@@ -6,10 +6,10 @@
 //! E = ∫∫ L (n·ω) dΩ ≈ Σ_A Σ_ε L(A, ε) w(A, ε)      w = ΔA (h − p) g_ε (n_A cos² ε + n_z sin ε cos ε)
 //! ```
 //!
-//! with `h(A)` the skyline of the horizon map, `p(A)` the plane's elevation, `n_A` and `n_z` the normal's parts along the azimuth
-//! and upwards, `g_ε` the Gauss–Legendre weights of the elevations between `p` and `h`: form factors from the horizon map. A ray
-//! through the middle of each finds the ground that is seen there, once for all Suns. Its radiance is `f_r E_sun`, with the irradiance
-//! of the exposure's Sun, shadows included.
+//! with `h(A)` the skyline of the horizon map, `p(A)` the plane's elevation, `n_A` and `n_z` the normal's parts along the
+//! azimuth and upwards, `g_ε` the Gauss–Legendre weights of the elevations between `p` and `h`: form factors from the
+//! horizon map. A ray through the middle of each finds the ground that is seen there, once for all Suns. Its radiance is
+//! `f_r E_sun`, with the irradiance of the exposure's Sun, shadows included.
 //!
 //! Rays start from at most [`POINTS`] × [`POINTS`] nodes of a level; between these nodes bounced light is bilinear, and so is the
 //! sunlight that it comes from.
@@ -18,8 +18,8 @@
 //! - One bounce of the Sun's light: in a bowl the rest is the share `A f` of it, `f = D/(2R)`, 2 % for lunar ground.
 //! - The receiving ground reflects it as if it came along the normal.
 //!
-//! Measured (`tests/reference/bounce.rs`): against the closed form of a bowl, depth a fifth of its diameter, at four places; on waves
-//! of 60 m against 1024 rays a point over the hemisphere with traced shadows at their ends:
+//! Measured (`tests/reference/bounce.rs`): against the closed form of a bowl, depth a fifth of its diameter, at four
+//! places; on waves of 60 m against 1024 rays a point over the hemisphere with traced shadows at their ends:
 //!
 //! | azimuths × elevations | bowl, Sun at 60° | 30° | 15° | waves, Sun at 25°: mean | RMS |
 //! |---|---|---|---|---|---|

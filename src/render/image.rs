@@ -24,7 +24,8 @@ pub enum Quantity {
     NoiseFreeDigitalNumber,
     /// Share of the solar disc's light above horizon and facet plane, averaged over the pixel.
     SunFraction,
-    /// Standard deviation of that share at the pixel's centre, from the errors of compressed horizons; nothing where there are none.
+    /// Standard deviation of that share at the pixel's centre, from the errors of compressed horizons; nothing where there
+    /// are none.
     SunFractionSigma,
     /// Share of the pixel covered by the body.
     Hit,

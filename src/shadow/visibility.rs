@@ -151,7 +151,8 @@ mod tests {
         let (uniform, darkened) = (disk(LimbDarkening::Uniform), disk(LimbDarkening::Power { alpha: 0.507_909_09 }));
         for (height, of_uniform, of_darkened) in LEVEL {
             for visibility in ALL {
-                // What boxes err is theirs: 0.0119 with three, 5.2e-3 with five, 8e-4 with twenty at 0.8 radii; elsewhere no more.
+                // What boxes err is theirs: 0.0119 with three, 5.2e-3 with five, 8e-4 with twenty at 0.8 radii; elsewhere
+                // no more.
                 let allowed = if let Visibility::Boxes(_) = visibility { 8e-3 } else { 2e-5 };
                 for elevation_deg in [0.0, 1.5, 60.0, 85.0] {
                     let got = level(visibility, &uniform, height, elevation_deg);

@@ -37,7 +37,8 @@ pub struct Args {
     /// Height of the observer above the ground, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     observer_height: f64,
-    /// How skylines are looked for: sweep, the fast one; exact, right to the last digit of f32; gpu, as right, on a graphics device
+    /// How skylines are looked for: sweep, the fast one; exact, right to the last digit of f32; gpu, as right, on a
+    /// graphics device
     #[arg(long, value_enum, default_value_t)]
     method: Method,
     /// fm4, fm8, fm12, fm16: coefficients as half floats at falling resolutions; f4, f8, f12, f16: at full

@@ -3,7 +3,8 @@
 //! The truth is the sweep over all nodes of a patch in 360 azimuths, whose own error is a hundredth of what compression
 //! does ([`crate::horizon::sweep`]). Shadows are those of Fritsch et al. (2025): at a fixed elevation of the Sun, over 180
 //! azimuths, a node is lit where its horizon is below the Sun's centre; the *pixel error rate* is the share of wrong ones.
-//! The structural similarity is that of the binary images, with uniform windows of 8² nodes each 4 nodes in place of Gaussian ones.
+//! The structural similarity is that of the binary images, with uniform windows of 8² nodes each 4 nodes in place of
+//! Gaussian ones.
 //!
 //! With a *band* horizons are clamped about the Sun's elevation before the fit ([`crate::horizon::band`]), as for a
 //! scenario whose Sun stays there.

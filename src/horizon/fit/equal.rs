@@ -7,12 +7,13 @@
 //! step of the finest page = step, of a₀ step/√2; of all coarser pages half of that
 //! ```
 //!
-//! A uniform quantiser with equal steps before an entropy coder is, but for a quarter of a bit a number, the best that there is
-//! for a mean square error (reverse water-filling: every coefficient errs by the same `step²/12`, and those that are below it cost
-//! nothing); the mean square over azimuths weighs `a₀` by 1 and all others by 1/2. Where ground is smooth the finest codes vanish and the
-//! coarser pages' errors remain: three quarters of their numbers are those of the next page, so that half steps cost little there. On 96²
-//! nodes of cratered highland and of the connecting ridge, in bytes of deflate a node at one RMS error (numerical experiment): differences
-//! of neighbours at full resolution 7.6 and 8.2, the pyramid with equal steps 6.2 and 7.5, with half steps on coarse pages 5.4 and 7.0.
+//! A uniform quantiser with equal steps before an entropy coder is, but for a quarter of a bit a number, the best that
+//! there is for a mean square error (reverse water-filling: every coefficient errs by the same `step²/12`, and those that
+//! are below it cost nothing); the mean square over azimuths weighs `a₀` by 1 and all others by 1/2. Where ground is smooth
+//! the finest codes vanish and the coarser pages' errors remain: three quarters of their numbers are those of the next
+//! page, so that half steps cost little there. On 96² nodes of cratered highland and of the connecting ridge, in bytes of
+//! deflate a node at one RMS error (numerical experiment): differences of neighbours at full resolution 7.6 and 8.2, the
+//! pyramid with equal steps 6.2 and 7.5, with half steps on coarse pages 5.4 and 7.0.
 //!
 //! Fields have as many bits as their largest code needs, so that nothing is clipped. Where all of them do not fit into a
 //! texel, the page's steps grow by octaves' eighths until they do.

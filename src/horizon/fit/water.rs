@@ -6,17 +6,18 @@
 //! r_s = mean over the box of c, sharpened − Σ coarser pages at the box's centre      r_s ≈ offset + step · code
 //! ```
 //!
-//! Sharpened means are those whose bilinear interpolation has the box's mean. A page has `32 w` bits a texel. They go one by one (two or three at once where one alone gains nothing) to the
-//! coefficient whose mean square error falls most for a bit, as reverse water-filling does for Gaussian ones, but by
-//! errors measured on the texels themselves: for each coefficient and each number of bits the step is the best of a
-//! few, so that rare large values are clipped if that pays. An error of a coarse page that the next finer one
-//! quantises with `b` bits shrinks by `2^−b` there; the coarse one's errors are weighed by what is left of them, which
-//! needs the finer pages' bits: the pyramid is filled five times. How many harmonics have bits is the tile's own choice.
+//! Sharpened means are those whose bilinear interpolation has the box's mean. A page has `32 w` bits a texel. They go one
+//! by one (two or three at once where one alone gains nothing) to the coefficient whose mean square error falls most for a
+//! bit, as reverse water-filling does for Gaussian ones, but by errors measured on the texels themselves: for each
+//! coefficient and each number of bits the step is the best of a few, so that rare large values are clipped if that pays.
+//! An error of a coarse page that the next finer one quantises with `b` bits shrinks by `2^−b` there; the coarse one's
+//! errors are weighed by what is left of them, which needs the finer pages' bits: the pyramid is filled five times. How
+//! many harmonics have bits is the tile's own choice.
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
-//! What limits it, in shares of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven scenes), patches of 96² nodes,
-//! beside exact series at full resolution (numerical experiment):
+//! What limits it, in shares of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven
+//! scenes), patches of 96² nodes, beside exact series at full resolution (numerical experiment):
 //!
 //! | scene | 31 harmonics | 47 | 63 | `w21` with up to 31 | with up to 47 |
 //! |---|---|---|---|---|---|
@@ -26,7 +27,8 @@
 //! | needles of one node | 0.79 | 0.69 | 0.60 | 0.90 | 0.84 |
 //! | connecting ridge | 0.11 | 0.07 | 0.04 | 0.31 | 0.30 |
 //!
-//! Bits are what is missing but on needles: they are narrower than the waves. In their penumbras all of these series have 0.98 to 0.99 of `fm16`'s error.
+//! Bits are what is missing but on needles: they are narrower than the waves. In their penumbras all of these series have
+//! 0.98 to 0.99 of `fm16`'s error.
 //!
 //! # References
 //! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3. Burt & Adelson (1983), *The Laplacian pyramid as a
@@ -46,15 +48,16 @@ pub const REVISION: u8 = 4;
 
 /// Most bits of a field.
 const MAX_WIDTH: usize = 9;
-/// Texels that errors are measured on. Rims and cliffs are one in a hundred, and their residuals ten times the deviation: of fewer
-/// texels too few are rims, and the codes of the others end below them.
+/// Texels that errors are measured on. Rims and cliffs are one in a hundred, and their residuals ten times the deviation:
+/// of fewer texels too few are rims, and the codes of the others end below them.
 const MEASURED: usize = 4096;
-/// Steps tried: so many, over so many octaves up from the smallest, which is this share of the deviation over the number of codes.
+/// Steps tried: so many, over so many octaves up from the smallest, which is this share of the deviation over the number of
+/// codes.
 const STEPS: usize = 18;
 const SMALLEST_STEP: f32 = 1.2;
 const OCTAVES: f32 = 5.4;
-/// Where the mean may lie, in steps from the middle of the codes, an even number: between two of them, or on one. Most residuals of ground
-/// with a few rims or needles are about 0, and few bits should be able to say so.
+/// Where the mean may lie, in steps from the middle of the codes, an even number: between two of them, or on one. Most
+/// residuals of ground with a few rims or needles are about 0, and few bits should be able to say so.
 const SHIFTS: [f32; 3] = [0.0, 0.5, -0.5];
 /// Times that the pyramid is filled.
 const ROUNDS: usize = 5;
@@ -113,8 +116,8 @@ fn base_weights(reals: usize) -> Vec<f64> {
     (0..reals).map(|real| [1.0, 0.0].get(real).copied().unwrap_or(0.5)).collect()
 }
 
-/// Weighs each page's errors by what the finer ones leave of them, half way from the weights before: with the new ones alone pages would
-/// take turns in leaving a coefficient to each other.
+/// Weighs each page's errors by what the finer ones leave of them, half way from the weights before: with the new ones
+/// alone pages would take turns in leaving a coefficient to each other.
 fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
     let mut weight = base_weights(weights[0].len());
     for (weights, fields) in weights.iter_mut().zip(fields) {

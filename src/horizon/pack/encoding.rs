@@ -193,7 +193,8 @@ impl Encoding {
         self.pages().iter().map(|page| (4 * page.words) as f64 / (page.scale * page.scale) as f64).sum()
     }
 
-    /// `horizon_elevation` in WGSL, and in two steps `horizon_profile` and `horizon_towards`; the pass declares `fn horizon_texel(index: u32) -> vec4u`.
+    /// `horizon_elevation` in WGSL, and in two steps `horizon_profile` and `horizon_towards`; the pass declares
+    /// `fn horizon_texel(index: u32) -> vec4u`.
     pub fn wgsl(self) -> String {
         let decoder = match self.family() {
             Family::Halves => include_str!("half.wgsl"),

@@ -5,10 +5,11 @@
 //! ```
 //!
 //! A texel of `w` words at each of the resolutions 1, 1/2, 1/4, 1/8 holds a signed field of a few bits for each coefficient
-//! that is worth them there ([`super::super::fit::water`] decides). Skylines of neighbours are alike in their low harmonics,
-//! so that the coarse pages say most of those and the fine ones only what is left; there no bit is spent on what half floats
-//! keep twice over. The fields of a page are the same in all of its texels: the map's table says which bits of which word, which coefficient, which step.
-//! No field crosses a word. A texel of a map in equal steps ([`super::super::fit::equal`]) has eight words.
+//! that is worth them there ([`super::super::fit::water`] decides). Skylines of neighbours are alike in their low
+//! harmonics, so that the coarse pages say most of those and the fine ones only what is left; there no bit is spent on what
+//! half floats keep twice over. The fields of a page are the same in all of its texels: the map's table says which bits of
+//! which word, which coefficient, which step. No field crosses a word. A texel of a map in equal steps
+//! ([`super::super::fit::equal`]) has eight words.
 //!
 //! `water.wgsl` decodes the same from a buffer in which the table lies behind the pages.
 

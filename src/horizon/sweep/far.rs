@@ -2,10 +2,10 @@
 //!
 //! Lines run parallel to the azimuth, a posting apart, worked on in blocks. Each carries the hull of its own profile, built
 //! from far to near while the receivers beside it are served: the receiver asks for the tangent *from its own height*, then
-//! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes
-//! of the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences between
-//! the two lines of each are not alike, the slope bends from line to line, and where that makes more than
-//! 0.01° the receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
+//! the crossings just beyond the near field of the next receiver are pushed. A receiver interpolates between the slopes of
+//! the two lines beside it. How far that may be off follows from the receivers to its left and right: where the differences
+//! between the two lines of each are not alike, the slope bends from line to line, and where that makes more than 0.01° the
+//! receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
 //! lines carry what lies farther away ([`super::beyond`]).

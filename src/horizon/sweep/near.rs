@@ -8,10 +8,10 @@
 //! H(t) − H₀ = c₀ + c₁t + c₂t²      c₂ = κm   c₁ = (H₂ − H₁)/(t₂ − t₁) − c₂(t₁ + t₂)   c₀ = H₁ − H₀ − c₁t₁ − c₂t₁²
 //! ```
 //!
-//! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`.
-//! That square root is taken in the first steps; beyond, the slope half way through the cell comes from `(H₁ + H₂)/2 − c₂(t₂ − t₁)²/4`,
-//! and a bound, `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all.
-//! In the receiver's own cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
+//! and where `c₂t₂² < c₀ < c₂t₁²` the slope is largest inside the cell: `c₁ − 2√(c₀c₂)`. That square root is taken in the
+//! first steps; beyond, the slope half way through the cell comes from `(H₁ + H₂)/2 − c₂(t₂ − t₁)²/4`, and a bound,
+//! `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all. In the receiver's own
+//! cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
 use super::grid::{Grid, LANES, NEVER_M};
 use super::ray::Ray;

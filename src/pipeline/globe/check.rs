@@ -1,8 +1,9 @@
 //! A globe's tiles against traces over the full resolution.
 //!
-//! At a node of a finest tile all azimuths are traced twice: over the levels that the tile was made from, and over ground that is at the
-//! tile's own posting out to `FULL_NODES` nodes beyond the tile (all that can be seen of the Moon down to a posting of 1.4 km). The one
-//! against the other is what coarse levels did; the decoded tile against the latter is all of its error.
+//! At a node of a finest tile all azimuths are traced twice: over the levels that the tile was made from, and over ground
+//! that is at the tile's own posting out to `FULL_NODES` nodes beyond the tile (all that can be seen of the Moon down to a
+//! posting of 1.4 km). The one against the other is what coarse levels did; the decoded tile against the latter is all of
+//! its error.
 //!
 //! Places: poles, the cube's corners and the middles of its edges, the antimeridian, and random ones evenly over the sphere.
 

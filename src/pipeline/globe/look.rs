@@ -8,8 +8,8 @@ use crate::scenario::Scenario;
 
 /// All exposures and motions; over a globe, `ground` is then what they see of it.
 ///
-/// A globe is seen at its coarsest first. What stands on its ground, or is looked at on it, finds its place anew on the ground that
-/// is shown in the end.
+/// A globe is seen at its coarsest first. What stands on its ground, or is looked at on it, finds its place anew on the
+/// ground that is shown in the end.
 pub fn exposures(
     points: &[Scenario],
     almanac: &Almanac,

@@ -1,7 +1,7 @@
 //! Which tiles of a globe the cameras see, and at which level of detail.
 //!
-//! Detail is chosen by screen size: rays through a raster of each image's pixels and through their neighbours meet the body's sphere;
-//! how far apart they do is what a pixel is wide on the ground, slant included. A tile is divided while
+//! Detail is chosen by screen size: rays through a raster of each image's pixels and through their neighbours meet the
+//! body's sphere; how far apart they do is what a pixel is wide on the ground, slant included. A tile is divided while
 //!
 //! ```text
 //! posting cos c > n · width of a pixel        c: central angle from the middle of the tile's face, n: the posting in pixels

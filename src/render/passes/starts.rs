@@ -3,8 +3,9 @@
 //! Jung 2020's rays start at the fragments of a mesh whose vertices are displaced by the terrain. Here the mesh lies above
 //! the terrain ([`Mesh`]) and is drawn alone; the rays of all samples look their start up, whatever the lens does to them,
 //! step a cell at a time and narrow the last step. A ray that finds nothing in so many steps is cast exactly from where it
-//! is. On software Vulkan all this takes 1.4 times as long as exact rays do (squares of 8 cells; `sim bench frame`): the walk
-//! over maxima passes empty space in a few steps. What is lost is ground thinner than a step: 0.01 % of the pixels of an oblique view of craters have another radiance.
+//! is. On software Vulkan all this takes 1.4 times as long as exact rays do (squares of 8 cells; `sim bench frame`): the
+//! walk over maxima passes empty space in a few steps. What is lost is ground thinner than a step: 0.01 % of the pixels of
+//! an oblique view of craters have another radiance.
 //!
 //! ```text
 //! depth = NEAR_M / z,   distance = NEAR_M / depth · |(x, y, 1)|      the nearest has the largest depth; 0: no mesh

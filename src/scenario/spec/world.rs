@@ -96,8 +96,9 @@ pub enum Dem {
         #[serde(default)]
         seed: u64,
     },
-    /// Made-up ground below the posting of the measured model that comes next: it goes on with that one's roughness, and has small
-    /// craters and boulders. Means over the measured posting stay. Craters of it are landmarks that are marked invented.
+    /// Made-up ground below the posting of the measured model that comes next: it goes on with that one's roughness, and
+    /// has small craters and boulders. Means over the measured posting stay. Craters of it are landmarks that are marked
+    /// invented.
     Detail {
         /// Distance of neighbouring heights: at most half of the measured model's.
         #[schemars(range(min = 0.01, max = 100_000.0))]

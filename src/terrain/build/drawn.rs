@@ -8,13 +8,13 @@
 //! s = s' + w (h − s')      w = 0 on a side or corner beside a coarser tile, 1 from the feather's end on
 //! ```
 //!
-//! where `s'` is what the tile of half the resolution would show in this one's place, turned in the same way into what lies beside
-//! that. On a side that two tiles share both have the same nodes, the same `w` and the same `s'`: there is no crack, across the
-//! cube's edges neither, where lifted heights of two maps are the same numbers.
+//! where `s'` is what the tile of half the resolution would show in this one's place, turned in the same way into what lies
+//! beside that. On a side that two tiles share both have the same nodes, the same `w` and the same `s'`: there is no crack,
+//! across the cube's edges neither, where lifted heights of two maps are the same numbers.
 //!
 //! # Assumptions
-//! A tile's horizons are those of the ground before it is turned: within the feather they belong to heights that differ by what the
-//! next level of detail leaves out.
+//! A tile's horizons are those of the ground before it is turned: within the feather they belong to heights that differ by
+//! what the next level of detail leaves out.
 
 use glam::DVec2;
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
 //! The ground that a tile of a quad-tree is made from: its own nodes, and all that can rise above their horizon.
 //!
-//! The tile lies in nested levels, each of twice the posting and twice the width of the next finer one, out to the *reach*. They are
-//! cut from lattices that all tiles of a face share, so that neighbours see the same nodes where their levels overlap, and read from
-//! the model in windows: memory is that of the levels, whatever the model's size. Coarse levels hold means of the model's
-//! pixels.
+//! The tile lies in nested levels, each of twice the posting and twice the width of the next finer one, out to the *reach*.
+//! They are cut from lattices that all tiles of a face share, so that neighbours see the same nodes where their levels
+//! overlap, and read from the model in windows: memory is that of the levels, whatever the model's size. Coarse levels hold
+//! means of the model's pixels.
 //!
 //! A peak at radius `r₁` rises above the horizontal plane of an observer at `r₀` only within the central angle
 //!

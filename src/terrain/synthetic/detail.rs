@@ -4,21 +4,22 @@
 //! h = measured + (fractal + craters + boulders) − its means over the measured posting
 //! ```
 //!
-//! **Fractal.** The measured heights differ over a distance `L` by `s L^H` RMS; `s` and `H` are fitted at 1, 2, 4 and 8 postings
-//! about the place. Octaves of gradient noise from two postings down to four of the new ones go on with amplitudes `c λ^H`, `c` such
-//! that all octaves together, longer ones too, would have that structure function.
+//! **Fractal.** The measured heights differ over a distance `L` by `s L^H` RMS; `s` and `H` are fitted at 1, 2, 4 and 8
+//! postings about the place. Octaves of gradient noise from two postings down to four of the new ones go on with amplitudes
+//! `c λ^H`, `c` such that all octaves together, longer ones too, would have that structure function.
 //!
-//! **Craters** under two postings have the equilibrium density of [`super`], boulders the density asked for over 1 m and a cumulative
-//! exponent of −3; they are half buried spheres.
+//! **Craters** under two postings have the equilibrium density of [`super`], boulders the density asked for over 1 m and a
+//! cumulative exponent of −3; they are half buried spheres.
 //!
 //! **Means.** What was made up is taken off again as far as it changes the mean over a measured posting: interpolated means are
 //! subtracted [`ROUNDS`] times. So a measurement of the new ground at the old posting finds the
 //! old heights: 0.9 m RMS added to 20 m ground left 0.007 m in the means.
 //!
 //! # Assumptions
-//! The structure function goes on below the posting with the same exponent: on lunar highlands it does to about 1 m (Rosenburg et al.
-//! 2011 reach 17 m). A measured model that is smoother than its posting says makes the new ground too smooth. Towards the border new
-//! ground fades within two measured postings; craters that would be cut by that are left out.
+//! The structure function goes on below the posting with the same exponent: on lunar highlands it does to about 1 m
+//! (Rosenburg et al. 2011 reach 17 m). A measured model that is smoother than its posting says makes the new ground too
+//! smooth. Towards the border new ground fades within two measured postings; craters that would be cut by that are left
+//! out.
 
 use glam::DVec2;
 use rand::Rng;
@@ -106,7 +107,8 @@ impl Structure {
 
     /// Amplitude of octaves, over `λ^H`, that together differ like this.
     fn amplitude(&self) -> f64 {
-        // Squared difference of an octave of amplitude 1 over a distance of `x` wavelengths: as its slope says, up to twice its variance.
+        // Squared difference of an octave of amplitude 1 over a distance of `x` wavelengths: as its slope says, up to twice
+        // its variance.
         let most = 2.0 * NOISE_RMS * NOISE_RMS;
         let squared = |x: f64| most * (1.0 - (-(noise::RMS_SLOPE * x).powi(2) / most).exp());
         let octave = |k: i32| {
