@@ -10,7 +10,7 @@
 
 use super::bound;
 use super::fit::Accumulator;
-use super::pack::Encoding;
+use super::pack::{Encoding, Family};
 use super::request::Request;
 
 const MIB: usize = 1 << 20;
@@ -18,7 +18,8 @@ const MIB: usize = 1 << 20;
 /// The program with its libraries (47 MiB with a full GDAL), what these keep (18 MiB), buffers of files.
 const PROGRAM: usize = 70 * MIB;
 
-/// Most planes of a thread in a block.
+/// Most planes of a thread in a block where the sums are those of fields, many more than a plane's numbers. Where they are fewer
+/// one does: planes that fit into a core's cache are worth as much.
 const PLANES_EACH: usize = 4;
 /// For planes that would otherwise be swept twice: those of a tile of 512² nodes.
 const PROBES: usize = 64 * MIB;
@@ -79,7 +80,8 @@ impl Memory {
             let probes_fit = probes <= PROBES.min(left - sums - threads * plane);
             let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.
-            let each = ((left - kept) / plane / threads).min(PLANES_EACH);
+            let most = if request.encoding.family() == Family::Fields { PLANES_EACH } else { 1 };
+            let each = ((left - kept) / plane / threads).min(most);
             return Share { sums_fit: true, planes: each * threads, probes_fit };
         }
         // A whole number for each thread, so that none waits, if there is one.
