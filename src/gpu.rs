@@ -193,6 +193,12 @@ impl Gpu {
     }
 }
 
+/// So many workgroups or a few more, as [`Gpu::run`] takes them: a dimension holds at most 65535.
+pub fn workgroups(count: usize) -> [u32; 3] {
+    let across = count.min(1 << 15);
+    [across as u32, count.div_ceil(across) as u32, 1]
+}
+
 /// Bindings may not be smaller than the type a shader gives them; a vec4 is the largest plain one.
 const MIN_BYTES: usize = 16;
 

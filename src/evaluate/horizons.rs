@@ -100,7 +100,11 @@ pub fn run(options: &Options, progress: &dyn Progress, publish: Publish) -> Resu
     }
     if options.includes("curvature") {
         progress.begin("curvature", 1, "table");
-        let nested = if options.quick { None } else { Scene::connecting_ridge(&options.data)? };
+        let measured = scenes.into_iter().find(|scene| scene.face.levels.len() > 1);
+        let nested = match measured {
+            None if !options.quick => Scene::connecting_ridge(&options.data)?,
+            there => there,
+        };
         let [pixels, azimuths] = if options.quick { [6, 12] } else { [64, 36] };
         tables.curvature.rows = curvature::rows(nested.as_ref(), pixels, azimuths)?;
     }

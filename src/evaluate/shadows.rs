@@ -111,10 +111,8 @@ pub fn reduced(scenario: &Scenario, pixels: u32) -> Scenario {
     reduced
 }
 
-/// Renders an exposure with every method and compares.
-pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
-    let machine = Machine::here();
-    let scenario = scenario::Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) };
+/// The scenario as it is compared, with horizon maps; an error where there is nothing to compare with.
+fn comparable(scenario: &Scenario, options: &Options) -> Result<Scenario, Error> {
     if scenario.terrain.is_none() {
         return Err(Error::NoTerrain);
     }
@@ -125,6 +123,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     if options.exposure > last {
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
     }
+    Ok(Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) })
+}
+
+/// Renders an exposure with every method and compares.
+pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
+    let machine = Machine::here();
+    let scenario = comparable(scenario, options)?;
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
     let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();

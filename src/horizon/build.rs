@@ -3,10 +3,10 @@
 //! Azimuths are swept in blocks, first those along the rows' axis, then those along the columns', so that one
 //! orientation of the heights is in memory at a time. Each plane is added to the coefficients and dropped.
 //!
-//! Where the [`Memory`] that a build may take holds the sums, a block is one azimuth a thread, and every `CHECKPOINT_EVERY`
-//! the sums are saved beside the tile. Where it does not, the checkpoint *is* the sums: a block has as many azimuths as
-//! there is memory for their planes, and adding it writes the file anew; the finished texels wait in a file while the
-//! bounds are found. Either way an interrupted build goes on, to the same bytes.
+//! Where the [`Memory`] that a build may take holds the sums, a block is an azimuth a thread or a few, and every
+//! `CHECKPOINT_EVERY` the sums are saved beside the tile. Where it does not, the checkpoint *is* the sums: a block has as
+//! many azimuths as there is memory for their planes, and adding it writes the file anew; the finished texels wait in a
+//! file while the bounds are found. Either way an interrupted build goes on, to the same bytes.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -77,10 +77,7 @@ pub struct Plane {
 impl Plane {
     /// The elevation at a node of the map.
     pub fn at(&self, major: Major, column: usize, row: usize) -> f32 {
-        match major {
-            Major::Row => self.elevations_rad[row * self.stride + column],
-            Major::Column => self.elevations_rad[column * self.stride + row],
-        }
+        self.elevations_rad[major.index(self.stride, [column, row])]
     }
 
     /// Some rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.

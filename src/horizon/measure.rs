@@ -40,11 +40,7 @@ impl Sample {
     /// Keeps what a plane along `major` says about the sampled pixels.
     pub fn keep(&mut self, plane: &Plane, major: Major) {
         for (i, [column, row]) in self.pixels.iter().enumerate() {
-            let at = match major {
-                Major::Row => row * plane.stride + column,
-                Major::Column => column * plane.stride + row,
-            };
-            self.elevations_rad[i * self.azimuths + plane.azimuth] = plane.elevations_rad[at];
+            self.elevations_rad[i * self.azimuths + plane.azimuth] = plane.at(major, *column, *row);
         }
     }
 }

@@ -51,8 +51,7 @@ impl Memory {
 
     /// How many tiles of `side²` nodes, a margin around each, may be made side by side: at least one.
     pub fn tiles(self, encoding: Encoding, side: usize, margin: usize, azimuths: usize) -> usize {
-        let accumulator = Accumulator::on_disk(encoding, side, side, azimuths);
-        let sums = accumulator.bytes() + accumulator.fit_bytes();
+        let sums = sums(encoding, side, side, azimuths);
         // A level and half a dozen coarser ones around it, as they are read and as they are swept.
         let terrain = 6 * (5 + 8) * (side + 2 * margin).pow(2);
         (self.0.saturating_sub(PROGRAM) / (sums + terrain)).max(1)
@@ -73,8 +72,7 @@ impl Memory {
         let terrain = all(5);
         let prepared = all(4) + 4 * nodes.heights_m.len() + plane;
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
-        let accumulator = Accumulator::on_disk(request.encoding, columns, rows, request.settings.azimuths);
-        let sums = accumulator.bytes() + accumulator.fit_bytes();
+        let sums = sums(request.encoding, columns, rows, request.settings.azimuths);
         if sums + threads * plane <= left {
             let probes = bound::probed(request.settings.azimuths).count() * plane;
             let probes_fit = probes <= PROBES.min(left - sums - threads * plane);
@@ -89,6 +87,12 @@ impl Memory {
         let planes = if planes > threads { planes / threads * threads } else { planes };
         Share { sums_fit: false, planes, probes_fit: false }
     }
+}
+
+/// Bytes of a tile's sums in memory, and of what their fit takes.
+fn sums(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> usize {
+    let accumulator = Accumulator::on_disk(encoding, columns, rows, azimuths);
+    accumulator.bytes() + accumulator.fit_bytes()
 }
 
 /// Lets the C library keep buffers that were freed for the next azimuth's. By itself it returns the end of a thread's heap to the

@@ -96,11 +96,8 @@ impl Receivers {
     }
 
     /// Where a plane along `major` has a node of the seen part, (column, row).
-    pub fn index(&self, major: Major, [column, row]: [usize; 2]) -> usize {
-        match major {
-            Major::Row => row * self.stride + column,
-            Major::Column => column * self.stride + row,
-        }
+    pub fn index(&self, major: Major, node: [usize; 2]) -> usize {
+        major.index(self.stride, node)
     }
 
     /// The row of receivers at a major index of the level.

@@ -31,7 +31,7 @@ use super::planes::{Radiometry, Samples};
 use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, ViewRays, reference, refine};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::shadow::{At, Lighting, OutsideSwath, Skylines};
 use crate::terrain::{Face, Ground, Hit};
@@ -305,10 +305,7 @@ impl Prepared {
                 &starts.window,
                 &starts.depths,
             ];
-            let groups = band.pixels.div_ceil(GROUP);
-            // A dimension holds at most 65535 workgroups.
-            let across = groups.min(1 << 15);
-            let spent = gpu.run(pipeline, &buffers, [across as u32, groups.div_ceil(across) as u32, 1]);
+            let spent = gpu.run(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
             seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
             if rays.centres {

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::methods::{Workshop, outside_domain};
 use super::truth::{ERRORS, Truth};
-use super::{Options, Trial, picture, reduced, traced_settings, trial};
+use super::{Options, Trial, comparable, picture, traced_settings, trial};
 use crate::evaluate::kept::Kept;
 use crate::evaluate::plot::{Axis, Curve, Plot};
 use crate::evaluate::report::Picture;
@@ -28,7 +28,7 @@ use crate::quantity::ASTRONOMICAL_UNIT_M;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
 use crate::render::{Renderer, Scene, View};
-use crate::scenario::{self, FixedSun, Scenario};
+use crate::scenario::{FixedSun, Scenario};
 
 /// Elevations of the Sun's centre in a quick run, in degrees.
 pub const QUICK_DEG: [f64; 3] = [1.5, 6.0, 15.0];
@@ -104,20 +104,10 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(scenario: &Scenario, options: &'a Options, repeat: usize, progress: &dyn Progress) -> Result<Self, Error> {
-        let mut scenario = Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) };
-        if scenario.terrain.is_none() {
-            return Err(Error::NoTerrain);
-        }
-        if scenario.shows_globe() {
-            return Err(Error::Globe);
-        }
+        let mut scenario = comparable(scenario, options)?;
         // One map serves all elevations.
         scenario.horizon.band = false;
         let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
-        let last = prepared.exposures.len() - 1;
-        if options.exposure > last {
-            return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
-        }
         let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
         let maps = scene.shadows.maps().unwrap_or_default().to_vec();
         let sky = crate::ephemeris::horizontal(
@@ -175,9 +165,10 @@ impl<'a> Bench<'a> {
             let [least_s, frame_s, most_s] = measured.frame_s;
             let mut row = vec![elevation_deg.into(), method.as_str().into()];
             row.extend([measured.preparation_s, measured.bytes_per_node, frame_s, least_s, most_s].map(Value::from));
-            row.extend(truth.errors(scenario, &view, &measured.trial, measured.horizon_rms_deg));
+            let light = truth.compared(&view, &measured.trial);
+            row.extend(truth.errors(scenario, &light, &measured.trial, measured.horizon_rms_deg));
             found.rows.push(row);
-            found.points.push((method.clone(), [frame_s, truth.compared(&view, &measured.trial).irradiance.rms]));
+            found.points.push((method.clone(), [frame_s, light.irradiance.rms]));
             if with_pictures {
                 found.pictures.push(picture(scenario, &truth.trial, &measured.trial, &truth.ground)?);
             }

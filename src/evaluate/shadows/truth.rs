@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::methods::Workshop;
-use super::{Comparison, Trial, compare, trial};
+use super::{Comparison, Trial, compare, level_of, trial};
 use crate::evaluate::images::{Grid, edges, flip, ssim};
 use crate::evaluate::statistics::{Errors, median};
 use crate::evaluate::{Error, Value};
@@ -14,7 +14,6 @@ use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
 use crate::render::{Quantity, Scene, Shadows, View};
 use crate::scenario::Scenario;
-use crate::terrain::{Ground, Hit};
 
 /// Columns of what [`Truth::errors`] gives.
 pub(super) const ERRORS: [(&str, &str); 8] = [
@@ -47,8 +46,7 @@ impl Truth {
         let trial = trial("traced, reference".into(), &mut Reference, scene, view)?;
         scene.quantities = quantities;
         let centres = &trial.samples.centres;
-        let on_ground = |hit: &Hit| matches!(hit.ground, Ground::Dem { .. });
-        let ground: Vec<bool> = centres.iter().map(|hit| hit.as_ref().is_some_and(on_ground)).collect();
+        let ground: Vec<bool> = centres.iter().map(|hit| level_of(hit).is_some()).collect();
         if !ground.contains(&true) {
             return Err(Error::NoGround { exposure: 0 });
         }
@@ -65,15 +63,14 @@ impl Truth {
         compare(&self.trial.samples.pixels, &trial.samples.pixels, &self.ground, full_w_m2)
     }
 
-    /// [`ERRORS`] of a method's image, the RMS of its horizons' beside those of the light.
+    /// [`ERRORS`] of a method's image: those of its light as [`Self::compared`], of its horizons, and how it looks.
     pub(super) fn errors(
         &self,
         scenario: &Scenario,
-        view: &View,
+        light: &Comparison,
         tried: &Trial,
         horizon_rms_deg: Option<f64>,
     ) -> [Value; ERRORS.len()] {
-        let found = self.compared(view, tried);
         let (columns, rows) = (scenario.camera.columns as usize, scenario.camera.rows as usize);
         let grid = |trial: &Trial, value: &dyn Fn(&Radiometry) -> f64| {
             let pixels = trial.samples.pixels.iter().zip(&self.ground);
@@ -94,10 +91,10 @@ impl Truth {
         });
         let [shown_tried, shown_truth] = [shown(tried), shown(&self.trial)];
         [
-            (100.0 * found.agreement).into(),
-            found.irradiance.rms.into(),
-            found.irradiance.p99.into(),
-            found.penumbra.rms.into(),
+            (100.0 * light.agreement).into(),
+            light.irradiance.rms.into(),
+            light.irradiance.p99.into(),
+            light.penumbra.rms.into(),
             horizon_rms_deg.into(),
             ssim::mean(&shown_truth, &shown_tried, 1.0).into(),
             flip::mean(&shown_truth, &shown_tried).into(),

@@ -33,6 +33,14 @@ impl Major {
         }
     }
 
+    /// Where a plane along this axis, of rows with a stride, has a node of the seen part, (column, row).
+    pub fn index(self, stride: usize, [column, row]: [usize; 2]) -> usize {
+        match self {
+            Self::Row => row * stride + column,
+            Self::Column => column * stride + row,
+        }
+    }
+
     /// Lifted point of the ground at a seen node of a level, by major and minor index.
     pub fn foot(self, level: &Level, u: usize, v: usize) -> DVec3 {
         let (column, row) = match self {

@@ -4,7 +4,7 @@
 use wgpu::{Buffer, ComputePipeline};
 
 use super::upload::{DeviceGround, fits};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, workgroups};
 use crate::render::layout::{BakeParameters, MapLevel};
 use crate::render::{RenderError, Scene, Shadows};
 use crate::shadow::multiscale::device::OnDevice;
@@ -149,9 +149,7 @@ impl DeviceSkylines {
         fields: &Buffer,
     ) -> Option<f64> {
         let [a, b, c, d] = &ground.texels;
-        let groups = (parameters.columns as usize * parameters.rows as usize).div_ceil(PER_TEXEL * GROUP);
-        let across = groups.min(1 << 15);
-        let groups = [across as u32, groups.div_ceil(across) as u32, 1];
+        let groups = workgroups((parameters.columns as usize * parameters.rows as usize).div_ceil(PER_TEXEL * GROUP));
         let parameters = gpu.storage("bake", &[*parameters]);
         gpu.run(pipeline, &[a, b, c, d, &parameters, fields, &self.disk_tables], groups)
     }

@@ -8,7 +8,7 @@ use glam::{DVec2, IVec2, UVec2, Vec2, Vec3};
 use wgpu::{Buffer, ComputePipeline};
 
 use super::{EDGE, HeightPyramid, Multiscale};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, workgroups};
 use crate::shadow::HeldLight;
 use crate::shadow::skylines::Feet;
 use crate::terrain::{Face, Gnomonic, Terrain};
@@ -100,11 +100,9 @@ impl OnDevice {
         let on_level = &self.levels[face][level];
         let light = map.map_vector(light.position).normalize().as_vec3();
         let nodes = gpu.storage("nodes", &[Nodes { light, offset: offset as u32, ..on_level.nodes }]);
-        let groups = on_level.nodes.seen.element_product().div_ceil(GROUP);
-        // A dimension holds at most 65535 workgroups.
-        let across = groups.min(1 << 15);
+        let groups = workgroups(on_level.nodes.seen.element_product().div_ceil(GROUP) as usize);
         let buffers = [&nodes, &on_level.images, &on_level.distances_m, &on_level.heights_m, fields];
-        gpu.run(&self.pipeline, &buffers, [across, groups.div_ceil(across), 1])
+        gpu.run(&self.pipeline, &buffers, groups)
     }
 }
 
