@@ -67,6 +67,7 @@ impl Checkpoint {
         to.write(self.key.as_str().as_bytes())?;
         to.write(&(state.done as u64).to_le_bytes())?;
         to.write(cast_slice(&state.sample.elevations_rad))?;
+        let planes = &state.sums.fitted(planes);
         let mut piece = Vec::new();
         for (index, group) in state.sums.groups.iter().enumerate() {
             let strip = group.strip();

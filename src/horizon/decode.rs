@@ -6,11 +6,14 @@
 //! h = Σₗ bilinear(Σ weight · value),  the sum over the numbers of level l
 //! ```
 //!
-//! so that each texel row is summed once per azimuth and only one number per level is interpolated.
+//! so that each texel row is summed once per azimuth and only one number per level is interpolated. Elevations that were
+//! compressed are expanded last.
 
 use glam::DVec2;
 
-use super::numbers::{Number, numbers};
+use super::companding;
+use super::numbers::{Name, Number, numbers};
+use super::pack::water::gain_of;
 use super::pack::{HorizonMap, Texels};
 use super::sweep::wide::wide;
 
@@ -28,7 +31,8 @@ impl<'a> Decoder<'a> {
     /// A decoder for unit map directions.
     pub fn new(map: &'a HorizonMap, directions: &[DVec2]) -> Self {
         let all = numbers(map.encoding, &map.fields);
-        let of_level = |level: usize| all.iter().filter(|number| number.level == level).copied().collect();
+        let counts = |number: &&Number| number.name != Name::Gain;
+        let of_level = |level: usize| all.iter().filter(|n| n.level == level).filter(counts).copied().collect();
         let numbers: Vec<Vec<Number>> = (0..map.levels.len()).map(of_level).collect();
         let weights = |numbers: &Vec<Number>| {
             let towards = |direction: &DVec2| numbers.iter().map(|n| n.name.weight(*direction) as f32).collect();
@@ -43,12 +47,13 @@ impl<'a> Decoder<'a> {
         let directions = self.weights.first().map_or(0, Vec::len);
         let mut elevations_rad = vec![0.0; directions * columns];
         for (index, (level, numbers)) in self.map.levels.iter().zip(&self.numbers).enumerate() {
+            let bits = self.map.encoding.gain_bits();
             let Some(scale) = numbers.first().map(|number| number.scale) else { continue };
             let (low, share) = neighbours(row, scale, level.rows);
             // Where the second row has no share it is not decoded.
             let rows = [(low, 1.0 - share), ((low + 1).min(level.rows - 1), share)];
             let decoded = rows.iter().filter(|(_, share)| *share > 0.0);
-            let decoded: Vec<_> = decoded.map(|(row, share)| values_rad(level, numbers, *row, *share)).collect();
+            let decoded: Vec<_> = decoded.map(|(row, share)| values_rad(level, bits, numbers, *row, *share)).collect();
             for (weights, elevations_rad) in self.weights[index].iter().zip(elevations_rad.chunks_mut(columns)) {
                 let mut sums = vec![0.0; level.columns];
                 for values_rad in &decoded {
@@ -64,6 +69,9 @@ impl<'a> Decoder<'a> {
                 }
             }
         }
+        if let Some(growth) = self.map.encoding.growth() {
+            companding::expand(growth as f32, &mut elevations_rad);
+        }
         elevations_rad
     }
 }
@@ -74,14 +82,17 @@ fn neighbours(node: usize, scale: usize, texels: usize) -> (usize, f32) {
     (at as usize, at.fract())
 }
 
-/// The share of a row of texels in what its numbers stand for, `[number][column]`.
-fn values_rad(level: &Texels, numbers: &[Number], row: usize, share: f32) -> Vec<f32> {
-    let texels = || (0..level.columns).map(|column| level.texel(column, row));
-    let values = |number: &Number| {
-        let number = *number;
-        texels().map(move |texel| share * number.value_rad(number.get(texel))).collect::<Vec<_>>()
-    };
-    numbers.iter().flat_map(values).collect()
+/// The share of a row of texels, with so many bits for a gain, in what its numbers stand for, `[number][column]`.
+fn values_rad(level: &Texels, bits: u32, numbers: &[Number], row: usize, share: f32) -> Vec<f32> {
+    let words = level.words_per_texel;
+    let texels = || level.words[row * level.columns * words..][..level.columns * words].chunks(words);
+    let gains: Vec<f32> = texels().map(|texel| gain_of(texel, bits)).collect();
+    let mut values_rad = Vec::with_capacity(numbers.len() * level.columns);
+    for number in numbers {
+        let value = |(texel, gain)| share * number.value_rad(number.get(texel), gain);
+        values_rad.extend(texels().zip(gains.iter().copied()).map(value));
+    }
+    values_rad
 }
 
 #[inline(always)]

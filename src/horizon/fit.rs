@@ -9,7 +9,11 @@
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
 pub mod equal;
+mod gain;
+mod quantiser;
+mod residual;
 pub mod sums;
+mod texels;
 pub mod water;
 
 use std::borrow::Cow;
@@ -18,6 +22,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::bound::Bounds;
+use super::companding;
 use super::error::TileErrors;
 use super::pack::half::TEXEL_COEFFICIENTS;
 use super::pack::{Encoding, Family, HorizonMap, Texels, pack};
@@ -156,8 +161,20 @@ impl Accumulator {
         }
     }
 
+    /// Planes of what is fitted: elevations, compressed where the encoding does.
+    pub fn fitted<'a>(&self, planes: &'a [Plane]) -> Cow<'a, [Plane]> {
+        let Some(growth) = self.encoding.growth() else { return Cow::Borrowed(planes) };
+        let compressed = |plane: &Plane| {
+            let mut plane = plane.clone();
+            companding::compress(growth as f32, &mut plane.elevations_rad);
+            plane
+        };
+        Cow::Owned(planes.par_iter().map(compressed).collect())
+    }
+
     /// Adds planes in their order to sums in memory.
     pub fn add(&mut self, planes: &[Plane], major: Major) {
+        let planes = &self.fitted(planes);
         for index in 0..self.groups.len() {
             // Taken out, so that the rest can be read meanwhile.
             let Sums::Memory(sums) = &mut self.groups[index].sums else { continue };
@@ -167,7 +184,7 @@ impl Accumulator {
         }
     }
 
-    /// Adds planes, which lie along one axis, in their order to the sums of some strips of a group.
+    /// Adds [`Self::fitted`] planes, which lie along one axis, in their order to the sums of some strips of a group.
     pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane], major: Major) {
         if planes.is_empty() {
             return;

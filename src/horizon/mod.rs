@@ -17,6 +17,7 @@ pub mod band;
 pub mod bound;
 pub mod build;
 pub mod checkpoint;
+pub mod companding;
 pub mod decode;
 pub mod error;
 pub mod exact;

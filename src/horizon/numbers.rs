@@ -1,7 +1,7 @@
 //! The numbers in a map's texels, one by one, whatever the encoding: where each lies, what it is worth, what it counts for.
 //!
 //! ```text
-//! h(x, y, A) = Σ numbers  weight(name, A) · bilinear(value)(x, y)
+//! h(x, y, A) = Σ numbers  weight(name, A) · bilinear(value)(x, y)      h compressed where the encoding does
 //! ```
 //!
 //! Files keep them as whole numbers in planes ([`super::pages`]), [`super::decode`] sums them. A half float becomes a whole
@@ -18,6 +18,7 @@ use glam::DVec2;
 use half::f16;
 
 use super::pack::half::TEXEL_COEFFICIENTS;
+use super::pack::water::{gain_code, put_gain};
 use super::pack::{Encoding, Family, Field};
 
 /// What a number is a coefficient of.
@@ -29,6 +30,8 @@ pub enum Name {
     /// `aₖ` and `bₖ` of [`super::series`].
     A(usize),
     B(usize),
+    /// The gain of a texel's codes ([`super::pack::water`]): it counts for nothing by itself.
+    Gain,
     /// The elevation at one of so many azimuths.
     Sample {
         index: usize,
@@ -43,6 +46,7 @@ impl fmt::Display for Name {
             Self::Im(k) => write!(f, "im {k}"),
             Self::A(k) => write!(f, "a {k}"),
             Self::B(k) => write!(f, "b {k}"),
+            Self::Gain => f.write_str("gain"),
             Self::Sample { index, .. } => write!(f, "h {index}"),
         }
     }
@@ -56,6 +60,7 @@ impl Name {
             Self::Re(k) | Self::A(k) => (k as f64 * azimuth_rad).cos(),
             Self::Im(k) => -(k as f64 * azimuth_rad).sin(),
             Self::B(k) => (k as f64 * azimuth_rad).sin(),
+            Self::Gain => 0.0,
             Self::Sample { index, of } => {
                 let distance = (azimuth_rad / TAU * of as f64 - index as f64).rem_euclid(of as f64);
                 (1.0 - distance.min(of as f64 - distance)).max(0.0)
@@ -72,6 +77,8 @@ enum Place {
         shift: u32,
     },
     Field(Field),
+    /// So many bits.
+    Gain(u32),
 }
 
 /// A number that every texel of a level holds.
@@ -89,6 +96,7 @@ impl Number {
         match &self.place {
             Place::Half { word, shift } => i32::from(ordered((texel[*word] >> shift) as u16 as i16)),
             Place::Field(field) => field.code(texel),
+            Place::Gain(bits) => gain_code(texel, *bits) as i32,
         }
     }
 
@@ -97,21 +105,23 @@ impl Number {
         match &self.place {
             Place::Half { word, shift } => texel[*word] |= u32::from(ordered(number as i16) as u16) << shift,
             Place::Field(field) => field.put(texel, number),
+            Place::Gain(_) => put_gain(texel, number as u32),
         }
     }
 
-    /// What a number stands for.
-    pub fn value_rad(&self, number: i32) -> f32 {
+    /// What a number stands for in a texel of some gain.
+    pub fn value_rad(&self, number: i32, gain: f32) -> f32 {
         match &self.place {
             Place::Half { .. } => f16::from_bits(ordered(number as i16) as u16).to_f32(),
-            Place::Field(field) => field.value_rad(number),
+            Place::Field(field) => field.value_rad(number, gain),
+            Place::Gain(_) => 0.0,
         }
     }
 
-    /// Its description where it is no half float.
+    /// Its description where it is a field.
     pub fn field(&self) -> Option<Field> {
         match self.place {
-            Place::Half { .. } => None,
+            Place::Half { .. } | Place::Gain(_) => None,
             Place::Field(field) => Some(field),
         }
     }
@@ -142,13 +152,11 @@ pub fn numbers(encoding: Encoding, fields: &[Vec<Field>]) -> Vec<Number> {
         Family::Halves => halves(level, page.scale, page.words, &complex),
         Family::Samples => halves(level, page.scale, page.words, &|_, index| Name::Sample { index, of }),
         Family::Fields => {
-            let number = |field: &Field| Number {
-                level,
-                scale: page.scale,
-                name: real(field.real),
-                place: Place::Field(*field),
-            };
-            fields[level].iter().map(number).collect()
+            let (scale, bits) = (page.scale, encoding.gain_bits());
+            let field = |field: &Field| (real(field.real), Place::Field(*field));
+            let gain = (bits > 0).then_some((Name::Gain, Place::Gain(bits)));
+            let all = fields[level].iter().map(field).chain(gain);
+            all.map(|(name, place)| Number { level, scale, name, place }).collect()
         }
     };
     pages.flat_map(of_page).collect()

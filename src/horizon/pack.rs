@@ -36,6 +36,7 @@ pub use raw::Sampled;
 pub use water::Field;
 
 use super::bound::Bounds;
+use super::companding;
 use super::error::TileErrors;
 use super::series::Series;
 
@@ -68,6 +69,8 @@ pub struct HorizonMap {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Horizon {
     Series(Series),
+    /// A series of compressed elevations, and κ of [`super::companding`].
+    Companded(Series, f64),
     Sampled(Sampled),
 }
 
@@ -76,6 +79,7 @@ impl Horizon {
     pub fn evaluate_towards(&self, towards: DVec2) -> (f64, f64) {
         match self {
             Self::Series(series) => series.evaluate_towards(towards),
+            Self::Companded(series, growth) => companding::expanded(*growth, series.evaluate_towards(towards)),
             Self::Sampled(sampled) => sampled.evaluate_towards(towards),
         }
     }
@@ -87,7 +91,10 @@ impl HorizonMap {
         match self.encoding.family() {
             Family::Halves => Horizon::Series(half::series(self, grid)),
             Family::Samples => Horizon::Sampled(raw::sampled(self, grid)),
-            Family::Fields => Horizon::Series(water::series(self, grid)),
+            Family::Fields => match self.encoding.growth() {
+                None => Horizon::Series(water::series(self, grid)),
+                Some(growth) => Horizon::Companded(water::series(self, grid), growth),
+            },
         }
     }
 
@@ -261,11 +268,17 @@ pub(super) mod tests {
             word,
             shift,
             width,
-            step_rad: 0.01,
-            offset_rad: 0.005,
+            step_rad: 2e-5,
+            offset_rad: 5e-4,
+            bias: 0.5 * (word % 3) as f32,
         };
-        let places = [(0, 9), (9, 1), (10, 4), (14, 8), (22, 2), (24, 3), (27, 5)];
-        let of_word = |word: usize| (0..7).map(move |index| field(word, index, places[index].0, places[index].1));
+        let places = [(2, 9), (11, 1), (12, 4), (16, 6), (22, 2), (24, 3), (27, 5), (0, 2)];
+        // The last one's bits are those of the gain, if there is one.
+        let has_gain = encoding.gain_bits() > 0;
+        let of_word = |word: usize| {
+            let count = places.len() - usize::from(has_gain && word == 0);
+            (0..count).map(move |index| field(word, index, places[index].0, places[index].1))
+        };
         let of_page = |page: &Page| (0..page.words).flat_map(of_word).collect();
         let fields = if is_fields { pages.iter().map(of_page).collect() } else { Vec::new() };
         let mut bounds = Bounds::unknown(columns, rows);

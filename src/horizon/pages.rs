@@ -41,7 +41,7 @@ pub struct PageHeader {
     pub rows: usize,
     /// To be added to the values in the file.
     pub least: i32,
-    /// What the numbers stand for, where they are no half floats.
+    /// What the numbers stand for, where they are fields.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<Field>,
 }
@@ -71,10 +71,11 @@ impl Page {
         self.values.iter().map(|value| i32::from(*value).saturating_add(self.header.least))
     }
 
-    fn gdal_metadata(&self) -> Option<String> {
-        let Field { step_rad, offset_rad, .. } = self.header.field?;
-        let (scale, step) = (f64::from(step_rad), f64::from(step_rad) * f64::from(self.header.least));
-        let offset = f64::from(offset_rad) + step;
+    /// GDAL's scale and offset of a page of fields.
+    pub fn gdal_metadata(&self) -> Option<String> {
+        let Field { step_rad, offset_rad, bias, .. } = self.header.field?;
+        let scale = f64::from(step_rad);
+        let offset = f64::from(offset_rad) + scale * (f64::from(bias) + f64::from(self.header.least));
         Some(format!(
             "<GDALMetadata><Item name=\"SCALE\" sample=\"0\" role=\"scale\">{scale}</Item>\
              <Item name=\"OFFSET\" sample=\"0\" role=\"offset\">{offset}</Item></GDALMetadata>"
@@ -107,9 +108,6 @@ impl Page {
         let mut page = file.new_image::<C>(self.header.columns as u32, self.header.rows as u32)?;
         page.rows_per_strip(ROWS_PER_STRIP)?;
         page.encoder().write_tag(Tag::Unknown(PAGE_NAME), self.header.name.as_str())?;
-        if let Some(metadata) = self.gdal_metadata() {
-            page.encoder().write_tag(Tag::Unknown(GDAL_METADATA), metadata.as_str())?;
-        }
         describe(page.encoder())?;
         page.write_data(values)
     }
@@ -118,7 +116,7 @@ impl Page {
 /// TIFF 6.0, section 12.
 const PAGE_NAME: u16 = 285;
 /// GDAL's own tag, which makes radians of a page's numbers.
-const GDAL_METADATA: u16 = 42112;
+pub const GDAL_METADATA: u16 = 42112;
 
 /// Values of the page that a reader stands at, rows up the map; `None` where it holds no numbers of 8 or 16 bits.
 pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> TiffResult<Option<Vec<u16>>> {
@@ -151,10 +149,10 @@ pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, erro
     let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
     let fields_of = |layout: &Layout| {
         let of_scale = coefficients.iter().filter(|page| page.header.scale == layout.scale);
-        of_scale.map(|page| page.header.field).collect::<Option<Vec<Field>>>()
+        of_scale.filter_map(|page| page.header.field).collect::<Vec<Field>>()
     };
     let fields = match encoding.family() {
-        Family::Fields => layouts.iter().map(fields_of).collect::<Option<_>>()?,
+        Family::Fields => layouts.iter().map(fields_of).collect(),
         Family::Halves | Family::Samples => Vec::new(),
     };
     let bounds = Bounds { columns, codes };

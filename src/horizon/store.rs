@@ -25,14 +25,14 @@ use super::fit::water;
 use super::georeference;
 use super::method::Method;
 use super::pack::{Encoding, Family, HorizonMap, encoding};
-use super::pages::{self, Page, PageHeader};
+use super::pages::{self, GDAL_METADATA, Page, PageHeader};
 use super::request::Request;
 use super::settings::Settings;
 use super::sweep;
 use crate::terrain::{Face, Level};
 
 /// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 
 const FORMAT: &str = "perilune horizon tile";
 
@@ -99,6 +99,9 @@ pub struct Header {
     pub encoding: Encoding,
     /// `h(A) = Re Σ Xₖ e^{ikA}`: one-sided, radians.
     pub series: String,
+    /// κ of [`super::companding`], where the series is of compressed elevations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
     pub azimuth: String,
     pub elevation: String,
     pub pixel: String,
@@ -171,8 +174,9 @@ impl Header {
             key: request.key(),
             encoding: map.encoding,
             series: "h(A) = sum over pages of weight * value; weight: re k, a k: cos kA; im k: -sin kA; b k: sin kA; h i of n: \
-                     max(0, 1 - |A n/2pi - i|)"
+                     max(0, 1 - |A n/2pi - i|); with a growth the skyline is h + growth * h^3"
                 .into(),
+            growth: map.encoding.growth(),
             azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
             elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
             pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
@@ -245,7 +249,9 @@ fn write_pages(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Err
 }
 
 fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
-    let mut file = TiffEncoder::new(file)?.with_compression(Compression::Deflate(DeflateLevel::Best));
+    // The last 2 % of a water-filled texel's codes would take as long as all else.
+    let effort = if map.encoding.gain_bits() > 0 { DeflateLevel::Balanced } else { DeflateLevel::Best };
+    let mut file = TiffEncoder::new(file)?.with_compression(Compression::Deflate(effort));
     let header = Header { pages: pages::pages(map).map(|page| page.header).collect(), ..header.clone() };
     let description = serde_json::to_string(&header).expect("a header is plain data");
     for (index, page) in pages::pages(map).enumerate() {
@@ -255,6 +261,10 @@ fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff
         page.write(&mut file, |tags| {
             if index == 0 {
                 tags.write_tag(Tag::ImageDescription, description.as_str())?;
+            }
+            // Where texels have gains there is no one scale.
+            if let Some(metadata) = page.gdal_metadata().filter(|_| map.encoding.gain_bits() == 0) {
+                tags.write_tag(Tag::Unknown(GDAL_METADATA), metadata.as_str())?;
             }
             // The pictures that people look at: the mean, or the first sample, and the bound.
             let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == header.pages.len());
@@ -298,7 +308,11 @@ fn parse(path: &Path, description: &str) -> Result<Header, Error> {
     if got != FORMAT_VERSION {
         return Err(Error::Version { path: path.into(), got, expected: FORMAT_VERSION });
     }
-    serde_json::from_value(json).map_err(|error| Error::header(path, error))
+    let header: Header = serde_json::from_value(json).map_err(|error| Error::header(path, error))?;
+    if header.growth != header.encoding.growth() {
+        return Err(Error::header(path, format!("its growth is not that of {}", header.encoding)));
+    }
+    Ok(header)
 }
 
 /// Reads the tile of a key.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use perilune::horizon::pack::{Family, Field, pack, unpack};
-use perilune::horizon::{Bounds, Encoding, HorizonMap, Texels, TileErrors};
+use perilune::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
 
 use super::{Comparison, Shader, functions, gpu, spread};
 
@@ -47,7 +47,7 @@ fn fields(words: usize, reals: usize) -> Vec<Field> {
             let order = fields.len() as f32 / 2.0;
             let step_rad = 0.1 / (1.0 + order) / (1 << width) as f32;
             let real = fields.len() * (reals - 1) / (7 * words - 1);
-            fields.push(Field { real, word, shift, width, step_rad, offset_rad: 0.5 * step_rad });
+            fields.push(Field { real, word, shift, width, step_rad, offset_rad: 0.1 * step_rad, bias: 0.5 });
             shift += width;
         }
     }
@@ -298,7 +298,7 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
     };
     let one = map.clone();
     let codes = (0..COLUMNS * ROWS).flat_map(|i| (0..7 * words).map(move |field| vec![i as f32, field as f32]));
-    let (coded, first) = (map.clone(), map.clone());
+    let (gained, coded, first) = (map.clone(), map.clone(), map.clone());
     // The second page, where there is one, and its part of the table's entries, the first of which says so itself.
     let page = 1.min(map.fields.len() - 1);
     let start = 1 + map.fields[..page].iter().map(Vec::len).sum::<usize>();
@@ -312,6 +312,17 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
             texels,
             1e-9,
             Box::new(halves_of(&one)),
+        ),
+        comparison(
+            "horizon_gain",
+            call("y[0] = horizon_gain(horizon_words(0u, u32(x[0])));".into()),
+            (0..COLUMNS * ROWS).map(|i| vec![i as f32]).collect(),
+            1e-9,
+            Box::new(move |x| {
+                let index = x[0] as usize;
+                let word = gained.levels[0].texel(index % COLUMNS, index / COLUMNS)[0];
+                vec![2.0_f64.powi((word % (1 << gained.encoding.gain_bits())) as i32)]
+            }),
         ),
         comparison(
             "horizon_code",
@@ -339,7 +350,10 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
                 let mut map = first.clone();
                 let others = (0..map.fields.len()).filter(|other| *other != page);
                 others.for_each(|other| map.fields[other].clear());
-                vec![map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3])).0]
+                let horizon = map.horizon(DVec2::new(x[0], x[1]));
+                // A page is a part of what the series says before it is expanded.
+                let (Horizon::Series(series) | Horizon::Companded(series, _)) = horizon else { panic!("a series") };
+                vec![series.evaluate_towards(DVec2::new(x[2], x[3])).0]
             }),
         ),
     ]
@@ -394,6 +408,13 @@ fn mistakes_in_the_decoders_are_noticed() {
         (Encoding::W21, "vec2f(turned.y, -turned.x)", "vec2f(turned.y, turned.x)"),
         (Encoding::W16, "vec4u(low.zw, high.xy)", "vec4u(low.zw, low.xy)"),
         (Encoding::W11, "f32(i32(word <<", "f32((word <<"),
+        (Encoding::W21, "vec2f(1.0 + bent, 1.0 + 3.0 * bent)", "vec2f(1.0 + bent)"),
+        (
+            Encoding::W16,
+            "horizon_gain(north_west), horizon_gain(north_east)",
+            "horizon_gain(north_east), horizon_gain(north_west)",
+        ),
+        (Encoding::Q, "(1u << HORIZON_GAIN_BITS) - 1u", "3u"),
         (Encoding::Q, "word = words.high", "word = words.low"),
     ];
     for (encoding, right, wrong) in mistakes {

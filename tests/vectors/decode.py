@@ -65,13 +65,19 @@ class Tile:
         pages = list(directories(data))
         self.header = json.loads(pages[0][270].rstrip(b"\0"))
         assert self.header["format"] == "perilune horizon tile"
-        assert self.header["format_version"] == 3
-        self.pages = [(page, rows_up(data, tags)) for page, tags in zip(self.header["pages"], pages)]
+        assert self.header["format_version"] == 4
+        pages = [(page, rows_up(data, tags)) for page, tags in zip(self.header["pages"], pages)]
+        self.gains = {page["scale"]: (page["least"], rows) for page, rows in pages if page["name"] == "gain"}
+        self.pages = [(page, rows) for page, rows in pages if page["name"] != "gain"]
 
-    def value(self, page, number):
+    def value(self, page, number, row, column):
         number += page["least"]
         field = page.get("field")
-        return half(number) if field is None else field["offset_rad"] + field["step_rad"] * number
+        if field is None:
+            return half(number)
+        least, codes = self.gains.get(page["scale"], (0, None))
+        gain = 2 ** (least + codes[row][column]) if codes else 1
+        return field["offset_rad"] + gain * field["step_rad"] * (number + field["bias"])
 
     def interpolated(self, page, rows, x, y):
         """Bilinear between texel centres, the outermost reaching to the edge."""
@@ -83,7 +89,7 @@ class Tile:
 
         columns = around(x, page["columns"])
         return sum(
-            p * q * self.value(page, rows[row][column])
+            p * q * self.value(page, rows[row][column], row, column)
             for row, p in around(y, page["rows"])
             for column, q in columns
         )
@@ -105,7 +111,8 @@ class Tile:
 
     def elevation_rad(self, x, y, azimuth_rad):
         terms = ((page, rows, self.weight(page, azimuth_rad)) for page, rows in self.pages[:-1])
-        return sum(weight * self.interpolated(page, rows, x, y) for page, rows, weight in terms if weight)
+        g = sum(weight * self.interpolated(page, rows, x, y) for page, rows, weight in terms if weight)
+        return g + self.header.get("growth", 0) * g**3
 
     def bound_rad(self, x, y):
         page, rows = self.pages[-1]

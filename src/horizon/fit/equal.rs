@@ -27,7 +27,9 @@ use std::f32::consts::SQRT_2;
 use rayon::prelude::*;
 
 use super::Group;
-use super::water::{Means, Residual, box_means, place, quantise};
+use super::residual::{Means, Residual, box_means};
+use super::texels::{Choice, quantise};
+use super::water::place;
 use crate::horizon::pack::{Encoding, Field, Texels};
 
 /// Of all coefficients but the mean on the finest page: 0.11°. Skylines err about as those of `fm16`.
@@ -54,7 +56,7 @@ pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>
         let steps = (0..).map(|eighths: i32| step_rad * (eighths as f32 / 8.0).exp2());
         let fields = steps.into_iter().find_map(|step_rad| fields(&ranges, step_rad, page.words));
         let fields = fields.expect("steps grow until no coefficient needs a code");
-        let (level, decoded) = quantise(&residual, &fields, page, DEAD, index > 0);
+        let (level, decoded) = quantise(&residual, &fields, page, Choice::Dead(DEAD), index > 0);
         levels.insert(0, level);
         all_fields.insert(0, fields);
         coarser.extend(decoded);
@@ -89,11 +91,11 @@ fn fields(ranges: &[[f32; 2]], step_rad: f32, words: usize) -> Option<Vec<Field>
     // A coefficient that is 0 everywhere has no field; one that is another constant needs one for its offset.
     let widths: Vec<_> =
         widths.iter().zip(0..).map(|(w, real)| if middle(real) == 0.0 { *w } else { (*w).max(1) }).collect();
-    let places = place(&widths, words)?;
+    let places = place(&widths, words, 0)?;
     let field = |(real, &(word, shift)): (usize, &(usize, u32))| {
         let (width, step_rad) = (widths[real] as u32, step_of(real));
         let offset_rad = step_rad * middle(real);
-        (width > 0).then_some(Field { real, word, shift, width, step_rad, offset_rad })
+        (width > 0).then_some(Field { real, word, shift, width, step_rad, offset_rad, bias: 0.0 })
     };
     Some(places.iter().enumerate().filter_map(field).collect())
 }

@@ -80,6 +80,8 @@ pub struct Page {
 /// Highest harmonic of the water-filled pyramids, and of equal steps.
 const WATER_HARMONICS: usize = 47;
 const EQUAL_HARMONICS: usize = 19;
+/// How much the elevations of water-filled pyramids grow.
+const WATER_GROWTH: f64 = 2.5;
 
 impl Encoding {
     pub const ALL: [Self; 15] = [
@@ -173,6 +175,20 @@ impl Encoding {
         }
     }
 
+    /// Bits of a texel's gain.
+    pub fn gain_bits(self) -> u32 {
+        if self.is_water_filled() { super::water::GAIN_BITS } else { 0 }
+    }
+
+    /// κ of [`crate::horizon::companding`]; `None` where the series is of elevations themselves.
+    pub fn growth(self) -> Option<f64> {
+        self.is_water_filled().then_some(WATER_GROWTH)
+    }
+
+    fn is_water_filled(self) -> bool {
+        matches!(self, Self::W11 | Self::W16 | Self::W21)
+    }
+
     /// What is left of a series of half floats with its first coefficients, 4, 8, 12 or 16; `None` where it has fewer, or
     /// keeps something else.
     pub fn with_coefficients(self, coefficients: u32) -> Option<Self> {
@@ -220,7 +236,11 @@ impl Encoding {
                 constants.push(("HORIZON_MIDDLE_COS", (0.5 * sector_rad).cos()));
                 constants.push(("HORIZON_MIDDLE_SIN", (0.5 * sector_rad).sin()));
             }
-            Family::Fields => constants.push(("HORIZON_WORDS", pages[0].words as f64)),
+            Family::Fields => constants.extend([
+                ("HORIZON_WORDS", pages[0].words as f64),
+                ("HORIZON_GAIN_BITS", f64::from(self.gain_bits())),
+                ("HORIZON_GROWTH", self.growth().unwrap_or(0.0)),
+            ]),
         }
         constants
     }

@@ -1,15 +1,16 @@
 //! Fields of bits: every real coefficient as small integers, in water-filled pyramids summed over four resolutions.
 //!
 //! ```text
-//! c(x) = Σ_pages Σ_texels share · (offset + step · code)      c = a₀, a₁, b₁, … a₄₇, b₄₇
+//! c(x) = Σ_pages Σ_texels share · (offset + gain · step · (code + bias))      c = a₀, a₁, b₁, … a₄₇, b₄₇
 //! ```
 //!
 //! A texel of `w` words at each of the resolutions 1, 1/2, 1/4, 1/8 holds a signed field of a few bits for each coefficient
 //! that is worth them there ([`super::super::fit::water`] decides). Skylines of neighbours are alike in their low
 //! harmonics, so that the coarse pages say most of those and the fine ones only what is left; there no bit is spent on what
 //! half floats keep twice over. The fields of a page are the same in all of its texels: the map's table says which bits of
-//! which word, which coefficient, which step. No field crosses a word. A texel of a map in equal steps
-//! ([`super::super::fit::equal`]) has eight words.
+//! which word, which coefficient, which step. No field crosses a word. The lowest two bits of a texel say its gain, 1, 2, 4 or
+//! 8 ([`super::super::fit::gain`]), and the series is of elevations that are expanded afterwards
+//! ([`crate::horizon::companding`]). A texel of a map in equal steps ([`super::super::fit::equal`]) has eight words, and neither.
 //!
 //! `water.wgsl` decodes the same from a buffer in which the table lies behind the pages.
 
@@ -22,6 +23,30 @@ use crate::horizon::series::Series;
 /// Pages of a pyramid.
 pub const PAGES: usize = 4;
 
+/// Bits of a texel's gain, the lowest of its first word.
+pub const GAIN_BITS: u32 = 2;
+pub const GAINS: usize = 1 << GAIN_BITS;
+
+/// The gain that a code stands for.
+pub fn gain(code: u32) -> f32 {
+    (1_u32 << code) as f32
+}
+
+/// The gain's code in a texel that has so many bits for it.
+pub fn gain_code(words: &[u32], bits: u32) -> u32 {
+    words[0] & ((1 << bits) - 1)
+}
+
+/// The gain of a texel that has so many bits for it.
+pub fn gain_of(words: &[u32], bits: u32) -> f32 {
+    gain(gain_code(words, bits))
+}
+
+/// Puts a gain's code into a texel whose bits there are 0.
+pub fn put_gain(words: &mut [u32], code: u32) {
+    words[0] |= code;
+}
+
 /// Some bits of every texel of a page.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Field {
@@ -31,9 +56,10 @@ pub struct Field {
     /// Lowest bit in the word, and number of bits.
     pub shift: u32,
     pub width: u32,
-    /// What a code stands for: `offset + step · code`.
+    /// What a code stands for: `offset + gain · step · (code + bias)`.
     pub step_rad: f32,
     pub offset_rad: f32,
+    pub bias: f32,
 }
 
 impl Field {
@@ -52,8 +78,8 @@ impl Field {
         [-(1 << (self.width - 1)), (1 << (self.width - 1)) - 1]
     }
 
-    pub fn value_rad(&self, code: i32) -> f32 {
-        self.offset_rad + self.step_rad * code as f32
+    pub fn value_rad(&self, code: i32, gain: f32) -> f32 {
+        self.offset_rad + gain * self.step_rad * (code as f32 + self.bias)
     }
 
     pub(super) fn lies_in(&self, words: usize, reals: usize) -> bool {
@@ -76,8 +102,9 @@ pub(super) fn series(map: &HorizonMap, grid: DVec2) -> Series {
     for ((level, page), fields) in map.levels.iter().zip(map.encoding.pages()).zip(&map.fields) {
         for (column, row, share) in level.corners(grid, page.scale) {
             let texel = level.texel(column, row);
+            let gain = gain_of(texel, map.encoding.gain_bits());
             for field in fields {
-                reals[field.real] += share * f64::from(field.value_rad(field.code(texel)));
+                reals[field.real] += share * f64::from(field.value_rad(field.code(texel), gain));
             }
         }
     }
@@ -94,7 +121,7 @@ pub(super) fn table(fields: &[Vec<Field>]) -> Vec<[u32; 4]> {
     for (page, fields) in fields.iter().enumerate() {
         for field in fields {
             let description = field.word as u32 | field.left() << 8 | field.right() << 16 | (field.real as u32) << 24;
-            table.push([description, field.step_rad.to_bits(), field.offset_rad.to_bits(), 0]);
+            table.push([description, field.step_rad.to_bits(), field.offset_rad.to_bits(), field.bias.to_bits()]);
         }
         table[0][page] = table.len() as u32;
     }
@@ -109,7 +136,7 @@ mod tests {
     fn every_code_survives_every_place_in_a_word() {
         for width in 1..=8 {
             for shift in 0..=32 - width {
-                let field = Field { real: 0, word: 1, shift, width, step_rad: 1.0, offset_rad: 0.0 };
+                let field = Field { real: 0, word: 1, shift, width, step_rad: 1.0, offset_rad: 0.0, bias: 0.0 };
                 for code in field.range()[0]..=field.range()[1] {
                     let mut words = [!0, !(((1_u32 << width) - 1) << shift), !0];
                     field.put(&mut words, code);
