@@ -9,11 +9,11 @@
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
 pub mod equal;
-mod gain;
-mod quantiser;
-mod residual;
+pub mod gain;
+pub mod quantiser;
+pub mod residual;
 pub mod sums;
-mod texels;
+pub mod texels;
 pub mod water;
 
 use std::borrow::Cow;
