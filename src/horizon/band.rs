@@ -32,9 +32,9 @@
 //! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
 //!
 //! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and
-//! with the band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.42 and 0.30 in `w21`, 0.51 and
-//! 0.36 in `w16`; the RMS in penumbras 0.58 and 0.50 in `w21`. It gains most where cliffs ring (blocks 0.61 and 0.15,
-//! needles 0.84 and 0.56) and little on the connecting ridge (0.31 and 0.28). So it is not the default.
+//! with the band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.37 and 0.28 in `w21`, 0.46 and
+//! 0.34 in `w16`; the RMS in penumbras 0.56 and 0.47 in `w21`. It gains most where cliffs ring (blocks 0.47 and 0.15,
+//! needles 0.72 and 0.55) and little on the connecting ridge (0.28 and 0.25). So it is not the default.
 //!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun
