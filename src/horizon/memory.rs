@@ -73,17 +73,19 @@ impl Memory {
         let prepared = all(4) + 4 * nodes.heights_m.len() + plane;
         let left = self.0.saturating_sub(PROGRAM + terrain + prepared);
         let sums = sums(request.encoding, columns, rows, request.settings.azimuths);
-        if sums + threads * plane <= left {
+        // A plane of a block, and its compressed copy if it has one.
+        let swept = plane * if request.encoding.growth().is_some() { 2 } else { 1 };
+        if sums + threads * swept <= left {
             let probes = bound::probed(request.settings.azimuths).count() * plane;
-            let probes_fit = probes <= PROBES.min(left - sums - threads * plane);
+            let probes_fit = probes <= PROBES.min(left - sums - threads * swept);
             let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.
             let most = if request.encoding.family() == Family::Fields { PLANES_EACH } else { 1 };
-            let each = ((left - kept) / plane / threads).min(most);
+            let each = ((left - kept) / swept / threads).min(most);
             return Share { sums_fit: true, planes: each * threads, probes_fit };
         }
         // A whole number for each thread, so that none waits, if there is one.
-        let planes = (left / plane).max(1);
+        let planes = (left / swept).max(1);
         let planes = if planes > threads { planes / threads * threads } else { planes };
         Share { sums_fit: false, planes, probes_fit: false }
     }

@@ -11,7 +11,7 @@ use crate::horizon::pack::Field;
 use crate::horizon::pack::water::{GAINS, gain};
 use crate::horizon::sweep::wide::wide;
 
-/// Texels of which none has more energy than the largest gain is for.
+/// The share of texels that have no more energy than the largest gain is for.
 const LARGEST: f64 = 0.998;
 
 /// Gains to begin with: by the weighted sums of the squares of what texels hold, `[coefficient][texel]`.

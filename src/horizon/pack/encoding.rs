@@ -80,7 +80,7 @@ pub struct Page {
 /// Highest harmonic of the water-filled pyramids, and of equal steps.
 const WATER_HARMONICS: usize = 47;
 const EQUAL_HARMONICS: usize = 19;
-/// How much the elevations of water-filled pyramids grow.
+/// κ of the elevations in water-filled pyramids, in rad⁻².
 const WATER_GROWTH: f64 = 2.5;
 
 impl Encoding {

@@ -44,7 +44,7 @@ pub fn gain_of(words: &[u32], bits: u32) -> f32 {
 
 /// Puts a gain's code into a texel whose bits there are 0.
 pub fn put_gain(words: &mut [u32], code: u32) {
-    words[0] |= code;
+    words[0] |= code & (GAINS as u32 - 1);
 }
 
 /// Some bits of every texel of a page.
