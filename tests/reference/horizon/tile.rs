@@ -160,6 +160,21 @@ fn damaged_and_foreign_tiles_are_named_and_rebuilt() {
 }
 
 #[test]
+fn elevations_that_grow_otherwise_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("w16.tif");
+    let mut tile = include_bytes!("../../vectors/w16.tif").to_vec();
+    let growth = b"\"growth\":2.5";
+    let at = tile.windows(growth.len()).position(|bytes| bytes == growth).unwrap();
+    fs::write(&path, &tile).unwrap();
+    assert!(store::read(&path).is_ok());
+    tile[at + growth.len() - 1] = b'0';
+    fs::write(&path, &tile).unwrap();
+    let message = store::read(&path).unwrap_err().to_string();
+    assert!(message.contains("w16.tif") && message.contains("its growth is not that of w16"), "{message}");
+}
+
+#[test]
 fn a_tile_that_cannot_be_written_is_an_error_with_its_path() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("file");
