@@ -43,11 +43,10 @@ impl<'a> Decoder<'a> {
 
     /// Elevations of a row of nodes, `[direction][column]`, in radians.
     pub fn row(&self, row: usize) -> Vec<f32> {
-        let columns = self.map.columns;
+        let (columns, bits) = (self.map.columns, self.map.encoding.gain_bits());
         let directions = self.weights.first().map_or(0, Vec::len);
         let mut elevations_rad = vec![0.0; directions * columns];
         for (index, (level, numbers)) in self.map.levels.iter().zip(&self.numbers).enumerate() {
-            let bits = self.map.encoding.gain_bits();
             let Some(scale) = numbers.first().map(|number| number.scale) else { continue };
             let (low, share) = neighbours(row, scale, level.rows);
             // Where the second row has no share it is not decoded.

@@ -98,10 +98,13 @@ impl HorizonMap {
         match self.encoding.family() {
             Family::Halves => Horizon::Series(half::series(self, grid)),
             Family::Samples => Horizon::Sampled(raw::sampled(self, grid)),
-            Family::Fields => match self.encoding.growth() {
-                None => Horizon::Series(water::series(self, grid)),
-                Some(growth) => Horizon::Companded(water::series(self, grid), growth),
-            },
+            Family::Fields => {
+                let series = water::series(self, grid);
+                match self.encoding.growth() {
+                    None => Horizon::Series(series),
+                    Some(growth) => Horizon::Companded(series, growth),
+                }
+            }
         }
     }
 

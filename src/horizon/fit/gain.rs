@@ -6,7 +6,7 @@
 //! # References
 //! Gersho & Gray (1992), *Vector Quantization and Signal Compression*, chapter 12: shape-gain quantisation.
 
-use super::quantiser::nearest;
+use super::quantiser::error_rad;
 use crate::horizon::pack::Field;
 use crate::horizon::pack::water::{GAINS, gain};
 use crate::horizon::sweep::wide::wide;
@@ -50,11 +50,10 @@ pub fn best(fields: &[Field], weights: &[f64], values_rad: &[impl AsRef<[f32]>],
 
 #[inline(always)]
 fn add_losses(field: &Field, step_rad: f32, weight: f32, values_rad: &[f32], losses: &mut [f32]) {
-    let (per_rad, codes) = (1.0 / step_rad, (1_u32 << field.width) as f32);
+    let quantiser = [step_rad, 1.0 / step_rad, field.bias, (1_u32 << field.width) as f32];
     for (loss, value_rad) in losses.iter_mut().zip(values_rad) {
-        let shape_rad = value_rad - field.offset_rad;
-        let error = step_rad * (nearest(shape_rad * per_rad - field.bias, codes) + field.bias) - shape_rad;
-        *loss += weight * error * error;
+        let error_rad = error_rad(value_rad - field.offset_rad, quantiser);
+        *loss += weight * error_rad * error_rad;
     }
 }
 

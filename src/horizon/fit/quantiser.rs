@@ -63,9 +63,9 @@ pub fn quantisers(values_rad: &[f32], gains: &[f32]) -> [Quantiser; MAX_WIDTH + 
 fn square_error(shapes_rad: &[f32], weights: &[f32], [step_rad, bias, codes]: [f32; 3]) -> f64 {
     const LANES: usize = 16;
     let per_rad = 1.0 / step_rad;
-    let error = |(shape, weight): (&f32, &f32)| {
-        let error = step_rad * (nearest(shape * per_rad - bias, codes) + bias) - shape;
-        weight * error * error
+    let error = |(shape_rad, weight): (&f32, &f32)| {
+        let error_rad = error_rad(*shape_rad, [step_rad, per_rad, bias, codes]);
+        weight * error_rad * error_rad
     };
     let mut sums = [0.0_f32; LANES];
     let ((shapes, rest), (weights, rest_weights)) = (shapes_rad.as_chunks::<LANES>(), weights.as_chunks::<LANES>());
@@ -77,9 +77,15 @@ fn square_error(shapes_rad: &[f32], weights: &[f32], [step_rad, bias, codes]: [f
     sums.into_iter().chain(rest.iter().zip(rest_weights).map(error)).map(f64::from).sum()
 }
 
+/// What the nearest code leaves of a value less the offset, for a step, one over it, a bias and a number of codes.
+#[inline(always)]
+pub fn error_rad(shape_rad: f32, [step_rad, per_rad, bias, codes]: [f32; 4]) -> f32 {
+    step_rad * (nearest(shape_rad * per_rad - bias, codes) + bias) - shape_rad
+}
+
 /// The nearest of so many codes, an even number, about 0.
 #[inline(always)]
-pub fn nearest(code: f32, codes: f32) -> f32 {
+fn nearest(code: f32, codes: f32) -> f32 {
     /// Rounded by adding what leaves no bits for a fraction, counted from the lowest code: vectors have no cheaper `floor`.
     const NO_FRACTION: f32 = 8_388_608.0;
     let half = 0.5 * codes;

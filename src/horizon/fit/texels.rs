@@ -31,20 +31,20 @@ pub fn quantise(
         let mut words = vec![0; columns * page.words];
         let mut decoded = vec![0.0; if decode { columns * reals } else { 0 }];
         let mut lines = residual.lines(row, fields.iter().map(|field| field.real));
-        let mut gains = vec![1.0; columns];
-        match choice {
+        let gains: Vec<f32> = match choice {
             Choice::Gain(weights) => {
                 let best = gain::best(fields, weights, &lines, columns);
                 words.chunks_mut(page.words).zip(&best).for_each(|(texel, code)| put_gain(texel, *code));
-                gains.iter_mut().zip(&best).for_each(|(gain, code)| *gain = factor(*code));
+                best.into_iter().map(factor).collect()
             }
             Choice::Dead(share) => {
                 for (field, line) in fields.iter().zip(&mut lines) {
                     let dead_rad = share * field.step_rad;
                     line.iter_mut().for_each(|value| *value -= value.clamp(-dead_rad, dead_rad));
                 }
+                vec![1.0; columns]
             }
-        }
+        };
         for (field, line) in fields.iter().zip(&mut lines) {
             let [lowest, highest] = field.range();
             for ((texel, value), gain) in words.chunks_mut(page.words).zip(&mut *line).zip(&gains) {
