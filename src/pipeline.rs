@@ -30,6 +30,7 @@ pub mod swath;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -45,8 +46,6 @@ use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
 use crate::labels::{Crater, Rim};
 use crate::raster;
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
 use crate::render::{Bounce, DeviceGround, Renderer, Scene, Shadows};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
 use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
@@ -210,9 +209,12 @@ pub fn scene(
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
         Albedo::Map(path) | Albedo::SingleScattering(path) => {
-            Some(ground::albedo(&mut ground.surface, path, scene::albedo_scale(scenario))?)
+            Some(ground::albedo(&ground.surface, path, scene::albedo_scale(scenario))?)
         }
     };
+    if let Some(albedo) = &albedo {
+        ground::open_gaps(&mut ground.surface, albedo);
+    }
     let settings = scene::horizon_settings(scenario);
     let mut tiles = Vec::new();
     let mut maps = |settings: horizon::Settings| {
@@ -262,21 +264,15 @@ pub fn scene(
         .map(|bounce| Bounce::new(&ground.surface, horizons, bounce.azimuths as usize, bounce.elevations as usize));
     ground.inputs.extend(tiles);
     Ok(Scene {
-        surface: ground.surface.clone(),
-        view_rays: scenario.view_rays,
-        shadows,
         refine: scenario.refine.then_some(settings),
-        reflectance: scene::reflectance(scenario)?,
-        albedo,
+        albedo: albedo.map(Arc::new),
         albedo_role: scene::albedo_role(scenario),
-        ambient,
-        bounce,
-        disk: scene::disk(scenario)?,
-        band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
-        optics: scene::optics(scenario)?,
-        detector: scene::detector(scenario)?,
-        samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,
-        quantities: scenario.outputs.planes.clone(),
+        ambient: ambient.map(Arc::new),
+        bounce: bounce.map(Arc::new),
+        ..Scene::new(ground.surface.clone())
+            .with_view_rays(scenario.view_rays)
+            .with_shadows(shadows)
+            .with_disk(scene::disk(scenario)?)
     })
 }
 
@@ -296,18 +292,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     }
     seconds.terrain = lap(start);
     let start = Instant::now();
-    let mut scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
     seconds.horizons = lap(start);
     let imaging = scene::imaging(scenario)?;
 
-    let mut passes = gpu.as_ref().map(Passes::new);
-    let mut reference = Reference;
-    let renderer: &mut dyn Renderer = match &mut passes {
-        Some(passes) => passes,
-        None => &mut reference,
-    };
-    let adapter = renderer.adapter();
-    let run = record::run(scenario, &prepared, &scene, &adapter);
+    let session = Renderer::on_any(gpu.as_ref()).session(&scene)?;
+    let adapter = session.adapter().to_owned();
+    let run = record::run(scenario, &prepared, &scene, &adapter)?;
     let settings = dataset::Settings {
         tiff: scenario.outputs.tiff,
         animation: scenario.outputs.animation,
@@ -322,8 +313,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     progress.begin("rendering", todo.len(), "exposures");
     let spent = images::render(
         &prepared,
-        &mut scene,
-        images::Instrument { imaging: &imaging, renderer },
+        images::Instrument { imaging: &imaging, session },
         &run,
         &mut writer,
         &todo,

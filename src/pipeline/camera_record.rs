@@ -26,8 +26,8 @@ pub fn camera(
     );
     let mut record = CameraRecord { shutter: shutter(scenario, shot), ..record };
     // An ISD's rows may be of another height, or run upwards.
-    record.k[1][1] = scene.optics.focal_px.y;
-    if let Some(correction) = scene.optics.correction() {
+    record.k[1][1] = exposure.view.optics.focal_px.y;
+    if let Some(correction) = exposure.view.optics.correction() {
         (record.dist_model, record.dist_coeffs) = corrected(correction);
     }
     record.effects = effects(scenario, prepared, scene, shot, exposure);
@@ -117,14 +117,15 @@ fn shared_pose_error_px(
     shot: &Shot,
     exposure: &Exposure,
 ) -> f64 {
+    let optics = &exposure.view.optics;
     let block_s = scenario.camera.shutter.block_time_s();
     let pieces = scenario.camera.shutter.pieces(scenario.camera.rows);
     let off = |(band, (time_s, pose)): (&crate::camera::Band, &(f64, Pose))| {
-        let pixel = DVec2::new(0.5 * (f64::from(scene.optics.columns) - 1.0), band.first_row as f64);
+        let pixel = DVec2::new(0.5 * (f64::from(optics.columns) - 1.0), band.first_row as f64);
         let Prepared { motions, almanac, frame, .. } = prepared;
         let motion = &motions[exposure.point];
         let ends = [-block_s, block_s].map(|end| motion.pose(almanac, frame, exposure.epoch, time_s + end).ok());
-        let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, &scene.optics, pixel, pose, &own));
+        let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, optics, pixel, pose, &own));
         moved.fold(0.0, f64::max)
     };
     pieces.iter().flatten().zip(&shot.bands).map(off).fold(0.0, f64::max)

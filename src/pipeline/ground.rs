@@ -2,6 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Crater, Detail, Parameters};
-use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
+use crate::terrain::{Face, Gnomonic, Level, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows, on the map: for the Moon 137 km of ground. Terrain further off shows
 /// only where it stands 5.5 km and more above all that lies between; it is left out.
@@ -24,7 +25,7 @@ const CUBE_MARGIN_M: f64 = 300_000.0;
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
 pub struct Ground {
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
     /// The terrain's centre; the sub-solar geometry of records refers to it.
     pub centre: Geodetic,
     pub inputs: Vec<Input>,
@@ -42,7 +43,7 @@ pub fn surface(
     progress: &dyn Progress,
 ) -> Result<Ground, Error> {
     let Some(terrain) = terrain else {
-        let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+        let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces: Vec::new() }));
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new(), globe: None });
     };
@@ -66,7 +67,7 @@ pub fn surface(
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
-    let surface = Surface::new(Terrain { body: body.clone(), faces });
+    let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces }));
     Ok(Ground { surface, centre, inputs, resampling, globe: None })
 }
 
@@ -82,7 +83,13 @@ fn globe(
     let name = file_name(&written.path);
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
-    Ok(Ground { surface: shown.surface()?, centre, inputs, resampling: Vec::new(), globe: Some(Box::new(shown)) })
+    Ok(Ground {
+        surface: Arc::new(shown.surface()?),
+        centre,
+        inputs,
+        resampling: Vec::new(),
+        globe: Some(Box::new(shown)),
+    })
 }
 
 fn values(written: scenario::Values) -> raster::Values {
@@ -311,28 +318,27 @@ pub fn horizons<E: From<Error>>(
     Ok(maps)
 }
 
-/// Values of an albedo map on the nodes of all levels, by face, times `scale`. Nodes that the map does not
-/// cover become gaps.
-pub fn albedo(surface: &mut Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
-    let Terrain { body, faces } = &mut surface.terrain;
+/// Values of an albedo map on the nodes of all levels, by face, times `scale`; NaN where the map has none.
+pub fn albedo(surface: &Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
+    let Terrain { body, faces } = &surface.terrain;
     let options = raster::Options { values: raster::Values::Height, ..Default::default() };
     let map = Dem::open(path, body, &options)?;
     let projector = map.georeference.projector()?;
-    let mut of_faces = Vec::new();
-    for Face { map: gnomonic, levels } in faces {
-        let mut of_levels = Vec::new();
-        for level in levels {
-            let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
-            let points: Vec<_> =
-                (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
-            let values: Vec<f32> =
-                projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect();
-            level.gap.iter_mut().zip(&values).for_each(|(gap, value)| *gap |= value.is_nan());
-            of_levels.push(values);
-        }
-        of_faces.push(of_levels);
+    let values = |gnomonic: &Gnomonic, level: &Level| -> Vec<f32> {
+        let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
+        let points: Vec<_> = (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
+        projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect()
+    };
+    let of_face = |face: &Face| face.levels.iter().map(|level| values(&face.map, level)).collect();
+    Ok(faces.iter().map(of_face).collect())
+}
+
+/// Makes nodes where a map has no value gaps of a surface, which whoever holds it already does not see.
+pub fn open_gaps(surface: &mut Arc<Surface>, map: &[Vec<Vec<f32>>]) {
+    let levels = Arc::make_mut(surface).terrain.faces.iter_mut().flat_map(|face| &mut face.levels);
+    for (level, values) in levels.zip(map.iter().flatten()) {
+        level.gap.iter_mut().zip(values).for_each(|(gap, value)| *gap |= value.is_nan());
     }
-    Ok(of_faces)
 }
 
 pub fn file_name(path: &Path) -> String {

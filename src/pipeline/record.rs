@@ -2,7 +2,7 @@
 
 use super::ground::file_name;
 use super::shot::Shot;
-use super::{Prepared, scene, sequence, split};
+use super::{Error, Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
     SoftwareRecord, SunRecord, SweepRecord, White,
@@ -13,13 +13,13 @@ use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
-pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Run {
+pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Result<Run, Error> {
     let kernels = prepared.almanac.kernels().iter().map(|kernel| Input {
         role: "kernel".into(),
         name: kernel.name.clone(),
         sha256: kernel.sha256.clone(),
     });
-    Run {
+    Ok(Run {
         title: scenario.title.clone(),
         name: scenario.name.clone(),
         scenario: scenario.text.clone(),
@@ -27,16 +27,16 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         seed: scenario.seed,
         software: software(adapter),
         inputs: prepared.ground.inputs.iter().cloned().chain(kernels).collect(),
-        settings: settings(scenario, prepared, scene),
-    }
+        settings: settings(scenario, prepared, scene)?,
+    })
 }
 
-fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_json::Value {
+fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<serde_json::Value, Error> {
     let mut settings = serde_json::json!({
         "frame": prepared.frame.frame_name,
         "shadows": format!("{:?}", prepared.shadows.shadows),
         "ambient": scenario.ambient,
-        "photometry": format!("{:?}", scene.reflectance),
+        "photometry": format!("{:?}", scene::reflectance(scenario)?),
         "limb_darkening": scene::disk_name(scenario),
         "spectrum": scenario.sun.spectrum,
         "samples_per_pixel": scenario.camera.samples_per_pixel,
@@ -73,7 +73,7 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
     }
-    settings
+    Ok(settings)
 }
 
 /// How previews are scaled.

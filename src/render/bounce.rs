@@ -121,7 +121,7 @@ impl Bounce {
         [face, level]: [usize; 2],
         point: usize,
     ) -> f64 {
-        let Some(sun) = view.lights.first() else { return 0.0 };
+        let (Some(sun), law) = (view.lights.first(), &view.reflectance) else { return 0.0 };
         let gather = &self.gathers[face][level];
         let Some(receiver) = hit_at(scene, face, level, gather.node(&scene.surface, [face, level], point)) else {
             return 0.0;
@@ -135,9 +135,9 @@ impl Bounce {
             let [to_sun, to_here] = [sun.position, receiver.position].map(|place| hit.position.direction_to(place));
             let (to_sun, to_here) = (to_sun?.unit(), to_here?.unit());
             let normal = planes::normal(scene, &hit).unit();
-            let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, &hit, scene.bare_albedo()));
+            let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, &hit, scene.bare_albedo(law)));
             let [mu0, mu] = [to_sun, to_here].map(|direction| normal.dot(direction).max(0.0));
-            let brdf_sr = scene.brdf_sr(albedo, mu0, mu, to_sun.dot(to_here));
+            let brdf_sr = scene.brdf_sr(law, albedo, mu0, mu, to_sun.dot(to_here));
             Some(brdf_sr * lit_w_m2 * f64::from(ray.weight_sr))
         };
         gather.rays[point].iter().filter_map(from).filter(|light| light.is_finite()).sum()

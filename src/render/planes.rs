@@ -97,20 +97,21 @@ pub struct Part<'a> {
     pub samples: &'a Samples,
 }
 
-/// The planes of `scene.quantities`, but for labels, of an image that is taken at once.
+/// The planes of `view.quantities`, but for labels, of an image that is taken at once.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
-    image_of(scene, scene.detector.as_ref(), &[Part { optics: &scene.optics, view, samples }])
+    image_of(scene, view.detector.as_ref(), &[Part { optics: &view.optics, view, samples }])
 }
 
 /// The planes of an image of parts, but for labels, the upper one first.
 pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> Image {
     let rows = parts.iter().map(|part| part.optics.rows as usize).sum();
     let columns = parts.first().map_or(0, |part| part.optics.columns as usize);
-    let wanted: Vec<Quantity> = scene.quantities.iter().copied().filter(|quantity| !quantity.is_label()).collect();
+    let asked = parts.first().map_or(&[][..], |part| &part.view.quantities);
+    let wanted: Vec<Quantity> = asked.iter().copied().filter(|quantity| !quantity.is_label()).collect();
     let geometric: Vec<Quantity> = wanted.iter().copied().filter(|quantity| quantity.is_geometric()).collect();
     let mut geometry = joined(parts.iter().map(|part| part.geometric_channels(scene, &geometric))).into_iter();
     let light = OnceCell::new();
-    let light = || light.get_or_init(|| focal_plane_irradiance(scene, parts)).as_slice();
+    let light = || light.get_or_init(|| focal_plane_irradiance(parts)).as_slice();
     let planes = wanted.iter().flat_map(|&quantity| {
         let channels = match quantity {
             _ if quantity.is_geometric() => geometry.by_ref().take(quantity.channels().len()).collect(),
@@ -118,7 +119,7 @@ pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> I
                 vec![digital_numbers(detector, parts, quantity, light, columns)]
             }
             Quantity::FocalPlaneIrradiance => vec![light().to_vec()],
-            _ => vec![parts.iter().flat_map(|part| part.radiometric(scene, quantity)).collect()],
+            _ => vec![parts.iter().flat_map(|part| part.radiometric(quantity)).collect()],
         };
         let named = quantity.channels().iter().zip(channels);
         named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
@@ -136,11 +137,11 @@ fn joined(mut parts: impl Iterator<Item = Vec<Vec<f32>>>) -> Vec<Vec<f32>> {
 }
 
 impl Part<'_> {
-    fn radiometric(&self, scene: &Scene, quantity: Quantity) -> Vec<f32> {
+    fn radiometric(&self, quantity: Quantity) -> Vec<f32> {
         let columns = self.optics.columns as usize;
         let value = |(index, mean): (usize, &Radiometry)| {
             let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
-            radiometric(scene, self.optics, self.view, quantity, pixel, mean)
+            radiometric(self.optics, self.view, quantity, pixel, mean)
         };
         self.samples.pixels.par_iter().enumerate().map(value).collect()
     }
@@ -177,8 +178,8 @@ impl Part<'_> {
 }
 
 /// Irradiance of the focal plane, all parts.
-pub fn focal_plane_irradiance(scene: &Scene, parts: &[Part]) -> Vec<f32> {
-    parts.iter().flat_map(|part| part.radiometric(scene, Quantity::FocalPlaneIrradiance)).collect()
+pub fn focal_plane_irradiance(parts: &[Part]) -> Vec<f32> {
+    parts.iter().flat_map(|part| part.radiometric(Quantity::FocalPlaneIrradiance)).collect()
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where there is no detector.
@@ -197,15 +198,8 @@ fn digital_numbers<'a>(
     numbers.into_iter().map(f32::from).collect()
 }
 
-fn radiometric(
-    scene: &Scene,
-    optics: &Optics,
-    view: &View,
-    quantity: Quantity,
-    pixel: DVec2,
-    mean: &Radiometry,
-) -> f32 {
-    let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
+fn radiometric(optics: &Optics, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+    let per_nm = |value: f32| (f64::from(value) / view.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
         Quantity::GroundIrradiance => mean.irradiance_w_m2,

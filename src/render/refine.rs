@@ -71,7 +71,7 @@ fn is_open(scene: &Scene, view: &View, maps: &FourierMaps, hit: &Hit) -> bool {
 /// Standard deviation of the Sun's share at a hit; NaN where nothing is known of it.
 pub fn sun_fraction_sigma(scene: &Scene, view: &View, hit: &Hit) -> f64 {
     let Some(sun) = view.lights.first() else { return f64::NAN };
-    match (hit.ground, &scene.shadows, scene.shadows.maps()) {
+    match (hit.ground, scene.shadows.as_ref(), scene.shadows.maps()) {
         (Ground::Bare, ..) | (_, Shadows::Traced(_), _) => 0.0,
         (_, _, Some(maps)) => {
             let maps = FourierMaps { surface: &scene.surface, maps };

@@ -25,8 +25,6 @@ use crate::gpu::{Adapter, Gpu};
 use crate::horizon::HorizonMap;
 use crate::pipeline::{self, Prepared, Progress, motion};
 use crate::quantity::ASTRONOMICAL_UNIT_M;
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
 use crate::render::{Renderer, Scene, View};
 use crate::scenario::{FixedSun, Scenario};
 
@@ -216,17 +214,14 @@ fn measure(
     (gpu, repeat): (Option<&Gpu>, usize),
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
-    let mut renderer: Box<dyn Renderer> = match gpu {
-        Some(gpu) => Box::new(Passes::new(gpu)),
-        None => Box::new(Reference),
-    };
     let start = Instant::now();
-    scene.shadows = workshop.shadows(method, progress)?;
-    let first = trial(method.into(), renderer.as_mut(), scene, view)?;
+    *scene = scene.clone().with_shadows(workshop.shadows(method, progress)?);
+    let mut session = Renderer::on_any(gpu).session(scene)?;
+    let first = trial(method.into(), &mut session, view)?;
     let all_s = start.elapsed().as_secs_f64();
     let mut frames = vec![first];
     for _ in 0..repeat {
-        frames.push(trial(method.into(), renderer.as_mut(), scene, view)?);
+        frames.push(trial(method.into(), &mut session, view)?);
     }
     let times: Vec<f64> = frames[1..].iter().map(|frame| frame.seconds).collect();
     let least_s = times.iter().copied().fold(f64::INFINITY, f64::min);
