@@ -4,6 +4,7 @@ mod architecture;
 mod cli;
 mod compare;
 mod conformance;
+mod docs;
 mod evaluate;
 mod invariants;
 mod readers;
