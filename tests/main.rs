@@ -1,10 +1,10 @@
 //! All integration tests in one binary.
 
 mod architecture;
+mod bench;
 mod cli;
 mod compare;
 mod conformance;
-mod evaluate;
 mod invariants;
 mod readers;
 mod reference;
