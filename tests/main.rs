@@ -1,11 +1,11 @@
 //! All integration tests in one binary.
 
 mod architecture;
+mod bench;
 mod cli;
 mod compare;
 mod conformance;
 mod docs;
-mod evaluate;
 mod invariants;
 mod readers;
 mod reference;
