@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use glam::DQuat;
-use perilune::camera::{Camera as Optics, Detector};
-use perilune::geometry::Position;
-use perilune::horizon::Encoding;
-use perilune::photometry::{Hapke, Reflectance};
-use perilune::render::{AlbedoRole, Image, Kept, Light, Quantity, Renderer, Scene, Session, Shadows, View};
-use perilune::shadow::Baked;
+use perilune_engine::camera::{Camera as Optics, Detector};
+use perilune_engine::geometry::Position;
+use perilune_engine::horizon::Encoding;
+use perilune_engine::photometry::{Hapke, Reflectance};
+use perilune_engine::render::{AlbedoRole, Image, Kept, Light, Quantity, Renderer, Scene, Session, Shadows, View};
+use perilune_engine::shadow::Baked;
 
 use super::skylines::nested;
 
@@ -19,7 +19,7 @@ const SIDE: u32 = 16;
 /// The nested terrain with its skylines baked towards each light, and a map of Hapke's `w`.
 fn scene() -> (Scene, View) {
     let (scene, view, maps) = nested(Encoding::Fm16);
-    let even = |level: &perilune::terrain::Level| {
+    let even = |level: &perilune_engine::terrain::Level| {
         (0..level.heights_m.len()).map(|node| 0.2 + 0.03 * (node % 7) as f32).collect::<Vec<_>>()
     };
     let faces = &scene.surface.terrain.faces;
@@ -83,7 +83,7 @@ fn views(view: &View) -> Vec<View> {
 }
 
 fn bits(image: &Image) -> Vec<(&'static str, Vec<u32>)> {
-    let values = |plane: &perilune::render::Plane| plane.values.iter().map(|value| value.to_bits()).collect();
+    let values = |plane: &perilune_engine::render::Plane| plane.values.iter().map(|value| value.to_bits()).collect();
     image.planes.iter().map(|plane| (plane.name, values(plane))).collect()
 }
 
@@ -189,7 +189,11 @@ fn render_a_thousand() {
                 kept = now;
             }
         }
-        println!("{}: {before_mib:?} MiB after 100 views, {:?} after 1000, {kept:?}", renderer.adapter(), resident_mib());
+        println!(
+            "{}: {before_mib:?} MiB after 100 views, {:?} after 1000, {kept:?}",
+            renderer.adapter(),
+            resident_mib()
+        );
         if let Some((before, after)) = before_mib.zip(resident_mib()) {
             assert!(after < before + 24.0, "{}: {before} MiB, then {after} MiB", renderer.adapter());
         }

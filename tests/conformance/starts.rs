@@ -1,6 +1,6 @@
 //! View rays from a coarse mesh against rays that are cast exactly from the camera.
 
-use perilune::render::{Renderer, Samples, ViewRays};
+use perilune_engine::render::{Renderer, Samples, ViewRays};
 
 use super::render::{compare, scenes};
 

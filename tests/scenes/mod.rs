@@ -1,10 +1,10 @@
 //! Small scenes with closed forms, and whoever can render them.
 
-pub use perilune::evaluate::stability::scenes::*;
-use perilune::horizon::{self, Encoding, Request, Settings};
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::{Edge, SingleAzimuth, Swept};
-use perilune::terrain::{Face, Terrain};
+pub use perilune_bench::stability::scenes::*;
+use perilune_engine::horizon::{self, Encoding, Request, Settings};
+use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::shadow::{Edge, SingleAzimuth, Swept};
+use perilune_engine::terrain::{Face, Terrain};
 
 use crate::conformance::gpu;
 
