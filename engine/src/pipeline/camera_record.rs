@@ -86,7 +86,7 @@ fn effects(
         Spread::Airy { cutoff_px } => format!("Airy, wavelength times f-number {cutoff_px:.6} px"),
         Spread::Disc { diameter_px } => format!("defocus, disc of {diameter_px} px"),
     };
-    let kernel = camera.kernel.as_deref().map(|path| format!("kernel {}", super::ground::file_name(path)));
+    let kernel = camera.kernel.as_deref().map(|path| format!("kernel {}", super::names::file_name(path)));
     let psf: Vec<String> = camera.spreads.iter().map(spread).chain(kernel).collect();
     let vignetting = match camera.vignetting {
         Vignetting::Cos4 => None,

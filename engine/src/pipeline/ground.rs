@@ -3,15 +3,15 @@
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use super::globe::Shown;
-use super::{Error, Progress};
+use super::{Error, Progress, terrain_key as key};
+
+pub use super::names::file_name;
+pub use super::tiles::{Tile, horizons};
+
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
-use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
@@ -130,7 +130,7 @@ fn own_posting_m(dem: &Dem) -> f64 {
 /// The models' files, whether they are there or not. The name of a synthetic one holds all that shapes it: its
 /// model's parameters and those of all coarser ones, which it continues.
 pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> {
-    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
+    let mut shape = format!("{} {}", env!("CARGO_PKG_VERSION"), key::of_body(body));
     let mut path = |dem: &scenario::Dem| match dem {
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
         scenario::Dem::Globe(globe) => globe.path.clone(),
@@ -140,12 +140,11 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
                 scenario::Dem::File { path, .. } => raster::digest(path).ok(),
                 _ => None,
             });
-            let shape = format!("{} {body:?} {dem:?} {:?} {measured:?}", env!("CARGO_PKG_VERSION"), dems.get(1));
-            let key = crate::digest::sha256_hex(shape.as_bytes());
+            let key = key::of_detail(body, dem, dems.get(1), measured.as_deref());
             cache.join("terrain").join(format!("detail-{}.tif", &key[..16]))
         }
         scenario::Dem::Synthetic { .. } => {
-            shape += &format!(" {:?}", synthetic_parameters(dem));
+            shape += &format!(" {}", key::of_parameters(synthetic_parameters(dem).as_ref()));
             let key = crate::digest::sha256_hex(shape.as_bytes());
             cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
         }
@@ -260,64 +259,6 @@ fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), syn
     Ok(write(path)?)
 }
 
-/// A horizon tile that is ready.
-#[derive(Debug)]
-pub struct Tile<'a> {
-    pub face: usize,
-    pub level: usize,
-    pub path: PathBuf,
-    pub key: Key,
-    pub map: &'a HorizonMap,
-    /// What building took; `None` where the tile was there.
-    pub built_s: Option<f64>,
-}
-
-impl Tile<'_> {
-    /// The tile as a manifest lists it.
-    pub fn input(&self) -> Input {
-        Input { role: "horizon".into(), name: file_name(&self.path), sha256: self.key.as_str().into() }
-    }
-}
-
-/// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
-/// is told to `finished`.
-pub fn horizons<E: From<Error>>(
-    surface: &Surface,
-    settings: &horizon::Settings,
-    encoding: Encoding,
-    folder: &Path,
-    memory: Memory,
-    progress: &dyn Progress,
-    mut finished: impl FnMut(&Tile) -> Result<(), E>,
-) -> Result<Vec<Vec<HorizonMap>>, E> {
-    let faces = &surface.terrain.faces;
-    let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
-    let mut tile = 0;
-    let mut maps = Vec::new();
-    for (index, face) in faces.iter().enumerate() {
-        let mut levels = Vec::new();
-        for level in 0..face.levels.len() {
-            tile += 1;
-            progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
-            let (start, built) = (Instant::now(), AtomicBool::new(false));
-            let heard = |done: usize, total: usize| {
-                built.store(true, Ordering::Relaxed);
-                progress.at(done, total);
-            };
-            let body = &surface.terrain.body;
-            let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
-            let key = request.key();
-            let path = store::path_for(folder, &key);
-            let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
-            finished(&Tile { face: index, level, path, key, map: &map, built_s })?;
-            levels.push(map);
-        }
-        maps.push(levels);
-    }
-    Ok(maps)
-}
-
 /// Values of an albedo map on the nodes of all levels, by face, times `scale`; NaN where the map has none.
 pub fn albedo(surface: &Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
     let Terrain { body, faces } = &surface.terrain;
@@ -339,8 +280,4 @@ pub fn open_gaps(surface: &mut Arc<Surface>, map: &[Vec<Vec<f32>>]) {
     for (level, values) in levels.zip(map.iter().flatten()) {
         level.gap.iter_mut().zip(values).for_each(|(gap, value)| *gap |= value.is_nan());
     }
-}
-
-pub fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

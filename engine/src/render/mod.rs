@@ -6,7 +6,9 @@
 //! its time.
 
 pub mod bounce;
+mod bounced_light;
 mod diffuse;
+pub mod facet;
 pub mod image;
 pub mod imaging;
 pub mod layout;
@@ -38,10 +40,10 @@ pub enum RenderError {
     Gpu(#[from] GpuError),
     #[error(
         "{what} take {needed_mib} MiB, the adapter allows {allowed_mib} MiB; \
-         use a coarser posting or a smaller extent, or --adapter cpu"
+         use a coarser posting, a smaller extent, or the reference renderer"
     )]
     BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
-    #[error("traced shadows need the reference renderer; use --adapter cpu")]
+    #[error("traced shadows need the reference renderer")]
     TracedOnGpu,
     #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
     Encodings { first: Encoding, other: Encoding },

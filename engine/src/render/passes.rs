@@ -10,6 +10,7 @@
 mod rays;
 mod skylines;
 mod starts;
+mod uncertain;
 mod upload;
 
 use std::time::Duration;
@@ -24,12 +25,13 @@ pub use upload::DeviceGround;
 use rays::Band;
 use skylines::DeviceSkylines;
 use starts::{DeviceMesh, Starts};
+use uncertain::trace_uncertain;
 use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
 use super::recent::Recent;
-use super::{Diffuse, Rays, RenderError, Scene, Shadows, View, ViewRays, reference, refine};
+use super::{Diffuse, Rays, RenderError, Scene, Shadows, View, ViewRays, reference};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
@@ -170,7 +172,7 @@ impl Passes {
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if rays.centres { self.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        refine::settle(scene, rays, view, diffuse.as_ref(), &mut samples);
+        trace_uncertain(scene, rays, view, diffuse.as_ref(), &mut samples);
         Ok(samples)
     }
 

@@ -10,10 +10,10 @@ use std::cell::OnceCell;
 use glam::DVec2;
 use rayon::prelude::*;
 
+pub use super::facet::normal;
 use super::{Image, Plane, Quantity, Scene, View};
 use crate::camera::{Camera as Optics, Detector};
-use crate::geometry::{BodyFixed, Direction, Position};
-use crate::terrain::{Ground, Hit};
+use crate::terrain::Hit;
 use seen::{Found, Seen};
 
 /// What a renderer gives, pixel by pixel.
@@ -35,59 +35,8 @@ pub struct Radiometry {
     pub hit: f32,
 }
 
-impl Quantity {
-    /// True for planes that belong to the ray through the pixel's centre.
-    pub fn is_geometric(self) -> bool {
-        use Quantity::*;
-        match self {
-            Radiance
-            | SpectralRadiance
-            | GroundIrradiance
-            | SpectralGroundIrradiance
-            | RadianceFactor
-            | FocalPlaneIrradiance
-            | DigitalNumber
-            | NoiseFreeDigitalNumber
-            | SunFraction
-            | SunIlluminationMask
-            | Hit
-            | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
-            | InventedHeight => true,
-            EllipsoidIncidence
-            | EllipsoidEmission
-            | Slope
-            | Aspect
-            | NorthAzimuth
-            | SunAzimuth
-            | SubsolarGroundAzimuth => true,
-            SunFractionSigma | DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence
-            | Emission | Phase | GroundSampleDistance => true,
-        }
-    }
-}
-
 /// From this share of the Sun's disc on a pixel is lit.
 pub const LIT_SHARE: f32 = 0.5;
-
-impl Quantity {
-    /// True for planes that need more than one view, or a lander: [`crate::render`] leaves them to whoever knows those.
-    pub fn is_label(self) -> bool {
-        use Quantity::*;
-        matches!(
-            self,
-            Flow | Covisible
-                | FlowBack
-                | CovisibleBack
-                | ShadowChange
-                | HazardSlope
-                | HazardRoughness
-                | HazardSunlit
-                | Hazard
-                | InventedHeight
-        )
-    }
-}
 
 /// Rows of an image that are seen through one part of the optics from one pose.
 #[derive(Debug, Clone, Copy)]
@@ -226,22 +175,4 @@ pub fn pixel_angle_rad(optics: &Optics, pixel: DVec2) -> f64 {
     let here = optics.direction(pixel);
     let next = optics.direction(pixel + DVec2::X);
     here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
-}
-
-/// The outward normal of the ground at a hit, interpolated between the nodes' central differences.
-pub fn normal(scene: &Scene, hit: &Hit) -> Direction<BodyFixed> {
-    let terrain = &scene.surface.terrain;
-    match hit.ground {
-        Ground::Dem { face, level, lifted } => {
-            let face = &terrain.faces[face];
-            let gradient = face.levels[level].interpolated_gradient(lifted.truncate());
-            face.map.map_from_body.inverse() * face.map.normal(lifted, gradient)
-        }
-        Ground::Bare | Ground::Gap => bare_normal(scene, hit.position),
-    }
-}
-
-fn bare_normal(scene: &Scene, position: Position<BodyFixed>) -> Direction<BodyFixed> {
-    let body = &scene.surface.terrain.body;
-    body.up(body.geodetic_from_position(position))
 }

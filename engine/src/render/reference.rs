@@ -14,15 +14,14 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::planes::{Radiometry, Samples, normal};
-use super::refine::Settled;
+use super::facet::{at_nodes, normal, site};
+use super::planes::{Radiometry, Samples};
+use super::refine::UncertainTraced;
 use super::{Diffuse, Light, Rays, RenderError, Scene, Shadows, View};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{
-    Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Site, Skylines, Traced,
-};
+use crate::shadow::{Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Skylines, Traced};
 use crate::terrain::{Ground, Hit};
 
 /// What manifests call this renderer.
@@ -62,8 +61,8 @@ pub fn shadow<'a>(
     known: &Skylines,
 ) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
     let surface = &scene.surface;
-    if let Some(settled) = Settled::of(scene) {
-        return Ok(Some(Box::new(settled)));
+    if let Some(shadow) = UncertainTraced::of(scene) {
+        return Ok(Some(Box::new(shadow)));
     }
     if let Some(method) = scene.shadows.towards() {
         let skylines = known.towards(surface, method, &view.held_lights())?;
@@ -157,35 +156,6 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
         sample.radiance += scene.brdf_sr(law, albedo, 1.0, mu, mu) * irradiance;
     }
     sample
-}
-
-/// A number given at the nodes, bilinear at a hit; `beyond` outside the terrain.
-pub(super) fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit, beyond: f64) -> f64 {
-    match hit.ground {
-        Ground::Dem { face, level, lifted } => {
-            let grid_level = &scene.surface.terrain.faces[face].levels[level];
-            let grid = grid_level.grid_from_map(lifted.truncate());
-            grid_level.bilinear_of(&maps[face][level], grid).unwrap_or(f64::NAN)
-        }
-        _ => beyond,
-    }
-}
-
-/// A hit on terrain, and a light's disc as its facet sees it.
-pub fn site<'a>(
-    scene: &'a Scene,
-    hit: &Hit,
-    normal: Direction<BodyFixed>,
-    (index, light): (usize, &Light),
-) -> Option<(Site<'a>, Disc<'a>)> {
-    let Ground::Dem { face, level, lifted } = hit.ground else { return None };
-    let towards = hit.position.direction_to(light.position)?;
-    let map = &scene.surface.terrain.faces[face].map;
-    let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
-    let angular_radius_rad = light.angular_radius_rad;
-    let facet = axes.facet(map.map_from_body * normal, angular_radius_rad);
-    let disc = Disc { light: index, disk: &scene.disk, axes, angular_radius_rad, facet };
-    Some((Site { map, face, level, lifted }, disc))
 }
 
 struct Lit {

@@ -8,13 +8,14 @@
 //! rays. What it keeps depends on the scene alone, or is kept with all that it was made for: views may differ in all that
 //! a [`View`] says, in any order, and each comes out as if it were rendered alone.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use super::passes::{Kept, Passes};
 use super::planes::{self, Samples};
 use super::{Image, Rays, RenderError, Scene, View, reference};
 use crate::gpu::Gpu;
 use crate::shadow::Skylines;
-
-use std::time::Duration;
 
 /// Who renders.
 #[derive(Debug, Clone)]
@@ -22,7 +23,7 @@ pub enum Renderer {
     /// The CPU, in f64, one ray at a time.
     Reference,
     /// Compute shaders on a device.
-    Device(Gpu),
+    Device(Arc<Gpu>),
 }
 
 /// Views of one scene. A scene may have many sessions, each in a thread of its own.
@@ -36,7 +37,7 @@ pub struct Session {
 
 impl Renderer {
     pub fn on(gpu: &Gpu) -> Self {
-        Self::Device(gpu.clone())
+        Self::Device(Arc::new(gpu.clone()))
     }
 
     /// The device where there is one, otherwise the reference renderer.
