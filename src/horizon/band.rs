@@ -45,10 +45,8 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::fit::Plane;
-use super::sweep::grid::Major;
 use crate::geometry::{BodyFixed, Direction};
-use crate::terrain::{Gnomonic, Level};
+use crate::terrain::Gnomonic;
 
 /// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the
 /// reach, so 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge
@@ -97,49 +95,6 @@ impl Band {
     pub fn clamp(&self, map: &Gnomonic, at_m: DVec2, elevation_rad: f64) -> f64 {
         let [low_rad, high_rad] = self.ends_rad(map, at_m);
         elevation_rad.clamp(low_rad, high_rad)
-    }
-}
-
-/// The ends of a band at all seen nodes of a level, laid out as the planes of one orientation.
-#[derive(Debug)]
-pub struct Ends {
-    width: usize,
-    ends_rad: Vec<[f32; 2]>,
-}
-
-impl Ends {
-    pub fn of(band: &Band, map: &Gnomonic, level: &Level, major: Major) -> Self {
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
-        let (width, height) = match major {
-            Major::Row => (columns, rows),
-            Major::Column => (rows, columns),
-        };
-        let at = |index: usize| {
-            let (along, across) = (index % width, index / width);
-            let (column, row) = match major {
-                Major::Row => (along, across),
-                Major::Column => (across, along),
-            };
-            let at_m = level.node_m(column + level.margin, row + level.margin);
-            band.ends_rad(map, at_m).map(|end_rad| end_rad as f32)
-        };
-        Self { width, ends_rad: (0..width * height).map(at).collect() }
-    }
-
-    /// An elevation at a node, counted along the planes' rows.
-    pub fn clamped(&self, node: usize, elevation_rad: f32) -> f32 {
-        let [low_rad, high_rad] = self.ends_rad[node];
-        elevation_rad.max(low_rad).min(high_rad)
-    }
-
-    /// Clamps a plane of the same orientation.
-    pub fn clamp(&self, plane: &mut Plane) {
-        let rows = plane.elevations_rad.chunks_mut(plane.stride);
-        for (elevations_rad, ends_rad) in rows.zip(self.ends_rad.chunks(self.width)) {
-            for (elevation_rad, [low_rad, high_rad]) in elevations_rad.iter_mut().zip(ends_rad) {
-                *elevation_rad = elevation_rad.max(*low_rad).min(*high_rad);
-            }
-        }
     }
 }
 

@@ -15,7 +15,7 @@ use super::companding;
 use super::numbers::{Name, Number, numbers};
 use super::pack::water::gain_of;
 use super::pack::{HorizonMap, Texels};
-use super::sweep::wide::wide;
+use super::wide::wide;
 
 /// A map and the weights of its numbers in some directions.
 #[derive(Debug)]

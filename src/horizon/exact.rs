@@ -28,17 +28,20 @@ pub mod stencil;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
-use super::sweep::Receivers;
+use super::axis::Major;
+use super::lanes::{LANES, lanes};
+use super::observer::ON_GROUND_M;
+use super::receivers::Receivers;
+use super::settings::Settings;
 use super::sweep::angle::Shape;
-use super::sweep::grid::{Grid, LANES, Major, NEVER_M};
+use super::sweep::grid::{Grid, NEVER_M};
 use super::sweep::ray::Ray;
-use super::sweep::wide::wide;
-use super::trace::{ON_GROUND_M, Tracer};
+use super::trace::Tracer;
+use super::wide::wide;
 use crate::terrain::Face;
 use beyond::Beyond;
 use maxima::{Maxima, STEPS};
-use stencil::{Stencil, lanes};
+use stencil::Stencil;
 
 /// Nodes around the heights: a group of receivers reads past the sides until its last one has left.
 const PAD: usize = LANES + 8;

@@ -19,11 +19,12 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, IVec2, Vec2};
 
+use super::axis::Major;
 use super::error::Error;
+use super::observer::ON_GROUND_M;
+use super::receivers::Receivers;
 use super::settings::Settings;
-use super::sweep::Receivers;
-use super::sweep::grid::{Grid, Major};
-use super::trace::ON_GROUND_M;
+use super::sweep::grid::{Grid, middle_m};
 use crate::gpu::{Adapter, Gpu, GpuError};
 use crate::terrain::Face;
 
@@ -87,7 +88,7 @@ impl OnDevice {
         let shader = concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"));
         let pipeline = gpu.compute("horizons", shader, "main", &[])?;
         let levels = &face.levels[level..];
-        let datum_m = super::sweep::middle_m(&levels[0]);
+        let datum_m = middle_m(&levels[0]);
         let grids: Vec<_> = levels.iter().map(|level| Grid::new(level, major, 0, datum_m)).collect();
         let receivers = Receivers::new(face, &levels[0], major, datum_m, settings);
         let first_m = grids[0].origin_m + DVec2::splat(receivers.margin as f64 * grids[0].posting_m);

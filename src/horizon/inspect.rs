@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::header::{Header, MapHeader};
 use super::pack::HorizonMap;
-use super::store::{Header, MapHeader};
 use super::trace::{Skyline, Tracer};
 use crate::geometry::{Body, Direction, Geodetic, Local, Position, Rotation};
 use crate::terrain::Gnomonic;

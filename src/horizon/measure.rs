@@ -3,12 +3,11 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::bound::BoundStatistics;
-use super::error::{ErrorStatistics, TileErrors};
-use super::fit::Plane;
+use super::axis::Major;
+use super::elevation_plane::ElevationPlane;
 use super::pack::HorizonMap;
 use super::settings::Settings;
-use super::sweep::grid::Major;
+use super::statistics::{BoundStatistics, ErrorStatistics, TileErrors};
 use super::trace::Tracer;
 use crate::terrain::{Face, Level, Pyramid};
 
@@ -38,7 +37,7 @@ impl Sample {
     }
 
     /// Keeps what a plane along `major` says about the sampled pixels.
-    pub fn keep(&mut self, plane: &Plane, major: Major) {
+    pub fn keep(&mut self, plane: &ElevationPlane, major: Major) {
         for (i, [column, row]) in self.pixels.iter().enumerate() {
             self.elevations_rad[i * self.azimuths + plane.azimuth] = plane.at(major, *column, *row);
         }

@@ -8,7 +8,7 @@
 //! it goes to planes. A build never fails for its budget: one plane is the least, and the fit of a pyramid of fields, whose
 //! coarse means are in memory, takes what it takes.
 
-use super::bound;
+use super::calibration;
 use super::fit::Accumulator;
 use super::pack::{Encoding, Family};
 use super::request::Request;
@@ -76,7 +76,7 @@ impl Memory {
         // A plane of a block, and its compressed copy if it has one.
         let swept = plane * if request.encoding.growth().is_some() { 2 } else { 1 };
         if sums + threads * swept <= left {
-            let probes = bound::probed(request.settings.azimuths).count() * plane;
+            let probes = calibration::probed(request.settings.azimuths).count() * plane;
             let probes_fit = probes <= PROBES.min(left - sums - threads * swept);
             let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.

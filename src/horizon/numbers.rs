@@ -17,7 +17,7 @@ use std::fmt;
 use glam::DVec2;
 use half::f16;
 
-use super::pack::half::TEXEL_COEFFICIENTS;
+use super::pack::encoding::TEXEL_COEFFICIENTS;
 use super::pack::water::{gain_code, put_gain};
 use super::pack::{Encoding, Family, Field};
 

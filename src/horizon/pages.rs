@@ -21,9 +21,9 @@ use tiff::encoder::{TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use super::bound::Bounds;
-use super::error::TileErrors;
 use super::numbers::{Number, numbers};
 use super::pack::{Encoding, Family, Field, HorizonMap, Page as Layout, Texels};
+use super::statistics::TileErrors;
 
 /// Rows of a page that a reader unpacks at once.
 const ROWS_PER_STRIP: u32 = 128;

@@ -3,7 +3,6 @@
 use super::error::Error;
 use super::pack::Encoding;
 use super::settings::Settings;
-use super::store::Key;
 use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
@@ -22,11 +21,6 @@ impl<'a> Request<'a> {
     /// The level that gets horizons.
     pub fn nodes(&self) -> &'a Level {
         &self.face.levels[self.level]
-    }
-
-    /// What identifies the tile.
-    pub fn key(&self) -> Key {
-        Key::of(self)
     }
 
     /// Whether horizons can be made as asked for.

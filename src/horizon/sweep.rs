@@ -3,7 +3,7 @@
 //! In the lifted map an azimuth is a family of parallel straight lines, so that a skyline is a tangent of slope `s`
 //! from a receiver to the surface along its line. For one azimuth:
 //!
-//! 1. [`near`]: every crossing of the first [`NEAR`] steps and the middle of every cell passed, many receivers at once,
+//! 1. [`near`]: every crossing of the first [`near::NEAR`] steps and the middle of every cell passed, many receivers at once,
 //!    and where a cell may hide a hump that matters, the hump;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where interpolation
 //!    between two lines may err by more than 0.01° the receiver's own line about both touching points, exactly ([`profile`]);
@@ -41,81 +41,30 @@ pub mod line;
 pub mod near;
 pub mod profile;
 pub mod ray;
-pub mod wide;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
-use super::trace::{Tracer, raised};
+use super::axis::Major;
+use super::lanes::{LANES, larger, largest};
+use super::receivers::Receivers;
+use super::settings::Settings;
+use super::trace::Tracer;
+use super::wide::{Registers, prefetch, widest};
 use crate::terrain::{Face, Level};
 use angle::Shape;
 use beyond::Beyond;
 use far::{BLOCK, Block, Far, Seats};
-use grid::{Grid, LANES, Major};
+use grid::{Grid, middle_m};
 use line::Placed;
-use near::{Site, Stencil, larger, largest};
+use near::{NEAR, Site, Stencil};
 use profile::Profile;
 use ray::Ray;
-use wide::{Registers, prefetch, widest};
 
 /// Changes with the last digits of what is found: a tile that was kept is not taken for what would be made today.
 pub const REVISION: u8 = 2;
 
-/// Major steps of the exact near field.
-pub const NEAR: usize = 16;
 /// Near slopes that may be this much too low are searched again: 0.01°.
 const HUMP: f32 = 2e-4;
-
-/// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
-#[derive(Debug)]
-pub struct Receivers {
-    pub majors: usize,
-    pub minors: usize,
-    pub stride: usize,
-    pub margin: usize,
-    /// Lifted heights of the observers above the datum.
-    pub observers_m: Vec<f32>,
-}
-
-impl Receivers {
-    pub(super) fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
-        let (majors, minors) = match major {
-            Major::Row => (rows, columns),
-            Major::Column => (columns, rows),
-        };
-        let stride = minors.next_multiple_of(LANES);
-        let mut observers_m = vec![0.0; majors * stride];
-        for u in 0..majors {
-            for v in 0..minors {
-                let observer = raised(&face.map, major.foot(level, u, v), settings.observer_height_m);
-                observers_m[u * stride + v] = (observer.z - datum_m) as f32;
-            }
-        }
-        Self { majors, minors, stride, margin: level.margin, observers_m }
-    }
-
-    /// Where a plane along `major` has a node of the seen part, (column, row).
-    pub fn index(&self, major: Major, node: [usize; 2]) -> usize {
-        major.index(self.stride, node)
-    }
-
-    /// The row of receivers at a major index of the level.
-    fn row(&self, u: isize) -> Option<usize> {
-        let row = u - self.margin as isize;
-        (0..self.majors as isize).contains(&row).then_some(row as usize)
-    }
-
-    /// Observers of a row from minor index `first` on; anything where there is none.
-    #[inline(always)]
-    fn lanes_m(&self, row: usize, first: isize) -> [f32; LANES] {
-        let start = (row * self.stride) as isize + first;
-        match self.observers_m.get(start as usize..(start + LANES as isize) as usize) {
-            Some(lanes_m) if start >= 0 => *lanes_m.first_chunk().expect("LANES"),
-            _ => std::array::from_fn(|i| *self.observers_m.get((start + i as isize) as usize).unwrap_or(&0.0)),
-        }
-    }
-}
 
 /// All that the azimuths along one major axis share.
 #[derive(Debug)]
@@ -318,11 +267,4 @@ fn widened(level: &Level, coarser: &Level, nodes: usize) -> Level {
         }
     }
     wide
-}
-
-/// The middle of a level's heights: `f32` heights above it keep more digits.
-pub(super) fn middle_m(level: &Level) -> f64 {
-    let valid = level.heights_m.iter().zip(&level.gap).filter(|(_, gap)| !**gap).map(|(height_m, _)| *height_m);
-    let (low, high) = valid.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
-    if low > high { 0.0 } else { f64::from(0.5 * (low + high)) }
 }

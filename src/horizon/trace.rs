@@ -20,12 +20,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
+use super::observer::{ON_GROUND_M, raised};
+use super::settings::Settings;
 use super::sphere::skyline_beyond;
 use crate::terrain::{Face, Gnomonic, Level, Pyramid};
-
-/// Below this height above the surface an observer stands on it and his own facet is part of his skyline.
-pub(super) const ON_GROUND_M: f64 = 1e-3;
 
 /// Mip of the blocks that are passed over at once: 32 × 32 cells.
 const BLOCK_MIP: usize = 5;
@@ -149,15 +147,6 @@ impl<'a> Tracer<'a> {
         view.walk(&self.levels[level], ends_m[0], ends_m[1], self.settings.search_limit_m());
         view.slope
     }
-}
-
-/// The lifted point `height_m` above another one along the vertical.
-pub(super) fn raised(map: &Gnomonic, foot: DVec3, height_m: f64) -> DVec3 {
-    if height_m == 0.0 {
-        return foot;
-    }
-    let at_m = foot.truncate();
-    at_m.extend(map.lifted_height_m(at_m, map.radius_from_lifted_m(foot) + height_m))
 }
 
 /// Where the ray `at + t d`, `t ≥ 0`, runs inside a level.

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use perilune::ephemeris::{Almanac, default_kernel_folder};
 use perilune::geometry::{Body, Geodetic};
 use perilune::horizon::Request;
-use perilune::horizon::store::Header;
+use perilune::horizon::header::Header;
 use perilune::pipeline::Progress;
 use perilune::pipeline::ground::{self, Ground};
 use perilune::raster;

@@ -7,8 +7,8 @@ use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Table, Value};
 use crate::horizon::Settings;
+use crate::horizon::axis::Major;
 use crate::horizon::exact::{Exact, Interval};
-use crate::horizon::sweep::grid::Major;
 
 /// The table that [`row`] fills.
 pub fn table() -> Table {

@@ -6,8 +6,8 @@ use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Error, Table, Value};
 use crate::horizon::Settings;
-use crate::horizon::method::Search;
-use crate::horizon::sweep::grid::Major;
+use crate::horizon::axis::Major;
+use crate::horizon::search::Search;
 use crate::horizon::trace::Tracer;
 
 /// Horizons of some pixels, `[pixel][azimuth]`, in radians.

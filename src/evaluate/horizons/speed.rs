@@ -7,9 +7,9 @@ use crate::evaluate::machine::thread_seconds;
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::median;
 use crate::evaluate::{Error, Table, Value};
+use crate::horizon::axis::Major;
 use crate::horizon::measure::Sample;
-use crate::horizon::method::Search;
-use crate::horizon::sweep::grid::Major;
+use crate::horizon::search::Search;
 use crate::horizon::trace::Tracer;
 use crate::horizon::{Method, Settings};
 

@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 
 use super::Exact;
 use super::maxima::{Maxima, STEPS};
+use crate::horizon::observer::raised;
 use crate::horizon::sweep::grid::Grid;
 use crate::horizon::sweep::ray::Ray;
-use crate::horizon::trace::raised;
 
 /// A coarser level as one azimuth sees it.
 #[derive(Debug)]

@@ -13,7 +13,7 @@
 
 use crate::horizon::sweep::grid::Grid;
 use crate::horizon::sweep::ray::Ray;
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 
 /// Lengths of the stretches, in major steps.
 pub const STEPS: [usize; 4] = [1, 8, 32, 128];

@@ -16,7 +16,8 @@
 //! if that lies within the run. In the receiver's own cell the slope's limit at distance 0 is the facet's, `b`.
 //! Rises are differences of nodes before they are weighted: what rounds is the rise, not the height.
 
-use crate::horizon::sweep::grid::{Grid, LANES, NEVER_M};
+use crate::horizon::lanes::{LANES, lanes, larger};
+use crate::horizon::sweep::grid::{Grid, NEVER_M};
 use crate::horizon::sweep::ray::Ray;
 
 /// Shares of a node below this are none: it must not count as a gap's neighbour by rounding. As in the trace.
@@ -191,16 +192,4 @@ fn column_between(minor: f64, from: f64, to: f64) -> Option<f64> {
     let (low, high) = ((minor * from).min(minor * to), (minor * from).max(minor * to));
     let column = (high - NO_SHARE).floor();
     (column > low + NO_SHARE).then(|| column / minor)
-}
-
-#[inline(always)]
-pub fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
-    let start = at.wrapping_add_signed(offset);
-    array[start..start + LANES].first_chunk().expect("a slice of LANES")
-}
-
-/// The larger of two numbers, the first where one of them is NaN; one instruction.
-#[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
 }

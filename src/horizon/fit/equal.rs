@@ -26,7 +26,7 @@ use std::f32::consts::SQRT_2;
 
 use rayon::prelude::*;
 
-use super::Group;
+use super::group::Group;
 use super::residual::{Means, Residual, box_means};
 use super::texels::{Choice, quantise};
 use super::water::place;
@@ -106,8 +106,8 @@ mod tests {
     use super::*;
     use crate::horizon::HorizonMap;
     use crate::horizon::bound::Bounds;
-    use crate::horizon::error::TileErrors;
     use crate::horizon::pack::Horizon;
+    use crate::horizon::statistics::TileErrors;
     use glam::DVec2;
 
     /// Coefficients of falling size, one of them constant, one 0.

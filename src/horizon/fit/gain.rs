@@ -9,7 +9,7 @@
 use super::quantiser::error_rad;
 use crate::horizon::pack::Field;
 use crate::horizon::pack::water::{GAINS, gain};
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 
 /// The share of texels that have no more energy than the largest gain is for.
 const LARGEST: f64 = 0.998;

@@ -1,6 +1,6 @@
 //! The best uniform quantiser of each number of bits.
 
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 
 /// Most bits of a field.
 pub const MAX_WIDTH: usize = 9;

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::Group;
+use super::group::Group;
 use super::sums::Sums;
 
 /// Means of all coefficients at one page's resolution, in groups of as many each.

@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::gain;
+use super::group::Group;
 use super::residual::Residual;
 use super::sums::Sums;
-use super::{Group, gain};
 use crate::horizon::pack::water::{gain as factor, put_gain};
 use crate::horizon::pack::{Field, Page, Texels};
 

@@ -36,11 +36,13 @@
 
 use rayon::prelude::*;
 
+use super::gain;
+use super::group::Group;
 use super::quantiser::{MAX_WIDTH, Quantiser, quantisers};
 use super::residual::{Means, Residual, box_means, sharpened};
 use super::texels::{Choice, quantise};
-use super::{Group, gain};
-use crate::horizon::pack::water::{GAIN_BITS, gain as factor};
+use crate::horizon::pack::encoding::GAIN_BITS;
+use crate::horizon::pack::water::gain as factor;
 use crate::horizon::pack::{Encoding, Field, Page, Texels};
 
 /// Counts changes of what is chosen here: part of a tile's key.

@@ -17,14 +17,14 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::HorizonMap;
+use super::encoding::{Encoding, GAIN_BITS};
+use super::texels::Texels;
 use crate::horizon::series::Series;
 
 /// Pages of a pyramid.
 pub const PAGES: usize = 4;
 
-/// Bits of a texel's gain, the lowest of its first word.
-pub const GAIN_BITS: u32 = 2;
+/// Gains that a texel may have.
 pub const GAINS: usize = 1 << GAIN_BITS;
 
 /// The gain that a code stands for.
@@ -97,12 +97,12 @@ impl Field {
 }
 
 /// The series at a grid point.
-pub(super) fn series(map: &HorizonMap, grid: DVec2) -> Series {
-    let mut reals = vec![0.0; 2 * (map.encoding.harmonics() + 1)];
-    for ((level, page), fields) in map.levels.iter().zip(map.encoding.pages()).zip(&map.fields) {
+pub(super) fn series(encoding: Encoding, levels: &[Texels], fields: &[Vec<Field>], grid: DVec2) -> Series {
+    let mut reals = vec![0.0; 2 * (encoding.harmonics() + 1)];
+    for ((level, page), fields) in levels.iter().zip(encoding.pages()).zip(fields) {
         for (column, row, share) in level.corners(grid, page.scale) {
             let texel = level.texel(column, row);
-            let gain = gain_of(texel, map.encoding.gain_bits());
+            let gain = gain_of(texel, encoding.gain_bits());
             for field in fields {
                 reals[field.real] += share * f64::from(field.value_rad(field.code(texel), gain));
             }

@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-use super::Receivers;
-use super::grid::{Grid, LANES};
-use super::near::{larger, largest};
+use super::grid::Grid;
 use super::ray::Ray;
-use super::wide::wide;
+use crate::horizon::lanes::{LANES, larger, largest};
+use crate::horizon::receivers::Receivers;
+use crate::horizon::wide::wide;
 use crate::terrain::Gnomonic;
 
 /// What the receivers of a row share, lengths in map radii.

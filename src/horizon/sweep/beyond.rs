@@ -4,11 +4,10 @@
 //! height, interpolated between the two lines beside it.
 
 use super::far::{Far, RING};
-use super::grid::LANES;
 use super::hull::{Hull, Point};
 use super::line::Line;
-use super::near::largest;
-use super::wide::Registers;
+use crate::horizon::lanes::{LANES, largest};
+use crate::horizon::wide::Registers;
 
 /// Coarse lines per coarse posting.
 const LINES: f64 = 2.0;

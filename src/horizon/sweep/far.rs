@@ -12,14 +12,15 @@
 
 use std::ops::Range;
 
-use super::grid::{Grid, LANES};
+use super::grid::Grid;
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, Placed};
-use super::near::{larger, largest};
+use super::near::NEAR;
 use super::profile::Profile;
 use super::ray::Ray;
-use super::wide::{Registers, larger_of};
-use super::{NEAR, Receivers};
+use crate::horizon::lanes::{LANES, larger, largest};
+use crate::horizon::receivers::Receivers;
+use crate::horizon::wide::{Registers, larger_of};
 
 /// Lines worked on side by side.
 const LINES: usize = LANES;

@@ -13,10 +13,13 @@
 //! `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all. In the receiver's own
 //! cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
-use super::grid::{Grid, LANES, NEVER_M};
+use super::grid::{Grid, NEVER_M};
 use super::ray::Ray;
-use super::wide::wide;
+use crate::horizon::lanes::{LANES, lanes, larger};
+use crate::horizon::wide::wide;
 
+/// Major steps of the exact near field.
+pub const NEAR: usize = 16;
 /// Major steps within which the surface between two crossings is always searched exactly.
 const EXACT: f64 = 2.0;
 
@@ -202,33 +205,4 @@ impl Crossing {
     fn rise_m(&self, a: f32, b: f32, observer_m: f32) -> f32 {
         self.share.mul_add(b, (1.0 - self.share).mul_add(a, -observer_m))
     }
-}
-
-#[inline(always)]
-fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
-    let start = at.wrapping_add_signed(offset);
-    array[start..start + LANES].first_chunk().expect("a slice of LANES")
-}
-
-/// The larger of two numbers, the first where one of them is NaN; one instruction.
-#[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
-}
-
-/// The largest of some numbers; those that are NaN do not count.
-#[inline(always)]
-pub fn largest(numbers: &[f32; LANES]) -> f32 {
-    let mut half = [0.0; LANES / 2];
-    for i in 0..LANES / 2 {
-        half[i] = larger(larger(f32::NEG_INFINITY, numbers[i]), numbers[i + LANES / 2]);
-    }
-    let mut length = LANES / 4;
-    while length > 0 {
-        for i in 0..length {
-            half[i] = larger(half[i], half[i + length]);
-        }
-        length /= 2;
-    }
-    half[0]
 }

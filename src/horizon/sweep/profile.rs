@@ -5,8 +5,8 @@
 //! maximum over whole steps; the two steps beside it are then searched exactly, as in `near`.
 
 use super::grid::{Grid, NEVER_M};
-use super::near::larger;
 use super::ray::Ray;
+use crate::horizon::lanes::larger;
 
 /// The crossings of one major step.
 #[derive(Debug, Clone, Copy)]

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use glam::DVec2;
+use perilune::horizon::axis::Major;
 use perilune::horizon::exact::{Exact, Interval};
-use perilune::horizon::sweep::grid::Major;
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{ErrorStatistics, Settings};
 use perilune::terrain::Face;

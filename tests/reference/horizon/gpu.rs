@@ -1,7 +1,7 @@
 //! The search on a graphics device against the trace.
 
+use perilune::horizon::axis::Major;
 use perilune::horizon::gpu::OnDevice;
-use perilune::horizon::sweep::grid::Major;
 use perilune::horizon::trace::Tracer;
 use perilune::horizon::{ErrorStatistics, Settings};
 use perilune::terrain::Face;

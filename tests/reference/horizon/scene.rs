@@ -6,8 +6,8 @@ use glam::DVec2;
 use perilune::evaluate::scenes::Scene;
 use perilune::geometry::{Body, Geodetic};
 use perilune::horizon::Settings;
+use perilune::horizon::axis::Major;
 use perilune::horizon::sweep::Sweep;
-use perilune::horizon::sweep::grid::Major;
 use perilune::terrain::{Face, Gnomonic, Level};
 
 /// A lunar map about the south pole.

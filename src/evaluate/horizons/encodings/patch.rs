@@ -8,12 +8,14 @@ use super::{AZIMUTHS, SUNS};
 use crate::evaluate::scenes::Scene;
 use crate::evaluate::statistics::Errors;
 use crate::evaluate::{Error, Value};
+use crate::horizon::axis::Major;
 use crate::horizon::bound::{self, Bounds};
 use crate::horizon::decode::Decoder;
-use crate::horizon::fit::{Accumulator, Plane};
-use crate::horizon::store::{self, Header};
+use crate::horizon::elevation_plane::ElevationPlane;
+use crate::horizon::fit::Accumulator;
+use crate::horizon::header::Header;
+use crate::horizon::store;
 use crate::horizon::sweep::Sweep;
-use crate::horizon::sweep::grid::Major;
 use crate::horizon::{Encoding, HorizonMap, Request, Settings};
 
 /// Elevation of the Suns of the images whose similarity is measured, the first of them and every how many one is: between
@@ -29,7 +31,7 @@ pub struct Patch {
     pub columns: usize,
     pub rows: usize,
     /// In the order of their azimuths.
-    pub planes: Vec<Plane>,
+    pub planes: Vec<ElevationPlane>,
 }
 
 impl Patch {
@@ -48,7 +50,7 @@ impl Patch {
                     Major::Column => node % columns * stride + node / columns,
                 };
                 let elevations_rad = (0..columns * rows).map(|node| swept_rad[at(node)]).collect();
-                Plane { azimuth, stride: columns, elevations_rad }
+                ElevationPlane { azimuth, stride: columns, elevations_rad }
             };
             planes.extend(along.collect::<Vec<_>>().into_par_iter().map(plane).collect::<Vec<_>>());
         }
@@ -69,7 +71,7 @@ impl Patch {
     pub fn fitted(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> Accumulator {
         let mut sums = Accumulator::new(encoding, self.columns, self.rows, self.planes.len());
         for planes in self.planes.chunks(16) {
-            let clamped = |plane: &Plane| Plane {
+            let clamped = |plane: &ElevationPlane| ElevationPlane {
                 elevations_rad: plane.elevations_rad.iter().map(|elevation_rad| relevant(*elevation_rad)).collect(),
                 ..*plane
             };

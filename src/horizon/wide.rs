@@ -111,9 +111,9 @@ fn larger_of_avx512(numbers: &[f32; 32], others: &[f32; 32]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::angle::{Place, elevations_rad};
-    use super::super::grid::LANES;
     use super::*;
+    use crate::horizon::lanes::LANES;
+    use crate::horizon::sweep::angle::{Place, elevations_rad};
 
     #[test]
     fn wide_registers_do_not_change_a_bit() {
