@@ -11,7 +11,7 @@
 //!
 //! Stretches for which no receiver of a group passes this test are left out, the others are halved, quartered and at last
 //! searched crossing by crossing. Coarser levels are bounded by the same maxima, receiver by receiver, and searched by the
-//! trace itself ([`beyond`]). Neither sampling nor interpolation takes part: what remains is the rounding of `f32`.
+//! trace itself ([`coarser_levels`]). Neither sampling nor interpolation takes part: what remains is the rounding of `f32`.
 //!
 //! # The certificate
 //! With `u = 2⁻²⁴`, heights that are differences of `f32` nodes, and `G` the steepest step between two nodes of the
@@ -22,7 +22,7 @@
 //! # Assumptions
 //! Levels finer than the searched one do not exist, as in the sweep. Tests hold the intervals to the trace.
 
-pub mod beyond;
+pub mod coarser_levels;
 pub mod maxima;
 pub mod stencil;
 
@@ -39,7 +39,7 @@ use super::sweep::ray::Ray;
 use super::trace::Tracer;
 use super::wide::wide;
 use crate::terrain::Face;
-use beyond::Beyond;
+use coarser_levels::CoarserLevels;
 use maxima::{Maxima, STEPS};
 use stencil::Stencil;
 
@@ -151,7 +151,7 @@ impl<'a> Exact<'a> {
         let scale = (1.0 / (ray.length * fine.posting_m)) as f32;
         plane.iter_mut().for_each(|slope| *slope *= scale);
         if self.grids.len() > 1 {
-            Beyond::new(self, ray, direction).raise(&mut plane);
+            CoarserLevels::new(self, ray, direction).raise(&mut plane);
         }
         plane
     }

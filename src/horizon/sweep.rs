@@ -7,7 +7,7 @@
 //!    and where a cell may hide a hump that matters, the hump;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where interpolation
 //!    between two lines may err by more than 0.01° the receiver's own line about both touching points, exactly ([`profile`]);
-//! 3. [`beyond`]: tangents to the hulls of coarser levels;
+//! 3. [`coarser_levels`]: tangents to the hulls of coarser levels;
 //! 4. [`angle`]: the steepest slope, or the bare sphere's, as an elevation above the local horizontal.
 //!
 //! The axis along which a line advances by whole nodes is the *major* one (`u`), the other the *minor* one (`v`).
@@ -30,7 +30,8 @@
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
 pub mod angle;
-pub mod beyond;
+pub mod coarser_levels;
+
 #[allow(clippy::needless_range_loop, reason = "several arrays are indexed alike")]
 pub mod far;
 pub mod grid;
@@ -52,10 +53,10 @@ use super::trace::Tracer;
 use super::wide::{Registers, prefetch, widest};
 use crate::terrain::{Face, Level};
 use angle::Shape;
-use beyond::Beyond;
-use far::{BLOCK, Block, Far, Seats};
+use coarser_levels::CoarserHulls;
+use far::{BLOCK, Block, Far, RowReceivers};
 use grid::{Grid, middle_m};
-use line::Placed;
+use line::PlacedGrid;
 use near::{NEAR, Site, Stencil};
 use profile::Profile;
 use ray::Ray;
@@ -99,7 +100,7 @@ impl<'a> Sweep<'a> {
         let ray = Ray::new(direction, self.major, self.grids[0].posting_m, self.settings.search_limit_m());
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
-        let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
+        let levels = self.grids.iter().map(|grid| PlacedGrid::new(grid, &ray, pivot_m)).collect();
         let far = Far { ray: &ray, receivers: &self.receivers, levels, profile: Profile::new(fine, &ray) };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         let stencil = Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0);
@@ -107,7 +108,7 @@ impl<'a> Sweep<'a> {
             #[inline(always)]
             |registers| {
                 self.slopes(registers, &far, &stencil, &mut plane);
-                self.add_beyond(registers, &far, &mut plane);
+                self.add_coarser_levels(registers, &far, &mut plane);
             },
         );
         // Slopes were taken in metres per step along the major axis.
@@ -147,7 +148,7 @@ impl<'a> Sweep<'a> {
         let scale = (1.0 / fine.posting_m) as f32;
         let ahead = along + NEAR as isize + 1;
         let row = far.row(block.start, along);
-        let Some((u, taken)) = far.seated(&row) else {
+        let Some((u, taken)) = far.taken_receivers(&row) else {
             far.advance(registers, ahead, block);
             return;
         };
@@ -162,15 +163,15 @@ impl<'a> Sweep<'a> {
             prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
             prefetch(&fine.heights_m, next_at.wrapping_add_signed(lane));
         }
-        let seats = Seats { row, taken, observers_m: &observers_m };
-        let asked = far.ask(registers, ahead, block, &seats);
+        let receivers = RowReceivers { row, taken, observers_m: &observers_m };
+        let query = far.ask(registers, ahead, block, &receivers);
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
         let [mut slopes, perhaps] = site.slopes(stencil);
         for slope in &mut slopes {
             *slope *= scale;
         }
-        far.answer(block, &seats, &asked, &mut slopes);
+        far.answer(block, &receivers, &query, &mut slopes);
         let mut missed = [0.0; LANES];
         for k in 0..LANES {
             missed[k] = perhaps[k] * scale - slopes[k];
@@ -181,7 +182,7 @@ impl<'a> Sweep<'a> {
                 slopes[k] = larger(slopes[k], exact[k] * scale);
             }
         }
-        let Seats { taken, .. } = seats;
+        let RowReceivers { taken, .. } = receivers;
         let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + taken.start as isize)..][..taken.len()];
         if taken.len() == BLOCK {
             // A length that the compiler knows.
@@ -193,9 +194,9 @@ impl<'a> Sweep<'a> {
 
     /// Raises far slopes to those of coarser levels.
     #[inline(always)]
-    fn add_beyond(&self, registers: Registers, far: &Far, slopes: &mut [f32]) {
+    fn add_coarser_levels(&self, registers: Registers, far: &Far, slopes: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        for beyond in (1..far.levels.len()).map(|level| Beyond::new(registers, far, level)) {
+        for hulls in (1..far.levels.len()).map(|level| CoarserHulls::new(registers, far, level)) {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
@@ -203,7 +204,7 @@ impl<'a> Sweep<'a> {
                     let i = u * r.stride + start;
                     let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
                     let y_m = (start + r.margin) as f64 * fine.posting_m;
-                    let found = beyond.slopes(registers, x_m, y_m, fine.posting_m, observers_m);
+                    let found = hulls.slopes(registers, x_m, y_m, fine.posting_m, observers_m);
                     for (slope, found) in slopes[i..i + LANES].iter_mut().zip(found) {
                         // NaN stays: it asks for a trace.
                         *slope = if found > *slope || found.is_nan() { found } else { *slope };

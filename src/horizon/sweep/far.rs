@@ -8,13 +8,13 @@
 //! receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
-//! lines carry what lies farther away ([`super::beyond`]).
+//! lines carry what lies farther away ([`super::coarser_levels`]).
 
 use std::ops::Range;
 
 use super::grid::Grid;
 use super::hull::{Hull, LOWEST_M, Point};
-use super::line::{Line, Placed};
+use super::line::{Line, PlacedGrid};
 use super::near::NEAR;
 use super::profile::Profile;
 use super::ray::Ray;
@@ -43,7 +43,7 @@ pub struct Far<'a> {
     pub ray: &'a Ray,
     pub receivers: &'a Receivers,
     /// The swept level and the coarser ones, placed in the azimuth's coordinates.
-    pub levels: Vec<Placed<'a>>,
+    pub levels: Vec<PlacedGrid<'a>>,
     pub profile: Profile,
 }
 
@@ -60,7 +60,7 @@ pub struct Row {
 
 /// Receivers of a row, the first just above the first line of a block, the others a posting apart.
 #[derive(Debug, Clone)]
-pub struct Seats<'a> {
+pub struct RowReceivers<'a> {
     pub row: Row,
     /// Those that are taken.
     pub taken: Range<usize>,
@@ -70,7 +70,7 @@ pub struct Seats<'a> {
 /// What the hulls of a block say. It is read some time after it was written, word by word, so that the processor need not
 /// wait for the words to become vectors.
 #[derive(Debug)]
-pub struct Asked {
+pub struct TangentQuery {
     /// Where the row to be added lies, and the heights of the lines on it.
     x: f32,
     heights_m: [f32; LINES],
@@ -128,11 +128,11 @@ impl<'a> Far<'a> {
 
     /// The nearest row in which a block serves a receiver: what lies before it nobody sees. `None` where it serves nobody.
     pub fn nearest_served(&self, start: isize) -> Option<isize> {
-        (0..self.fine().majors as isize).find(|along| self.seated(&self.row(start, *along)).is_some())
+        (0..self.fine().majors as isize).find(|along| self.taken_receivers(&self.row(start, *along)).is_some())
     }
 
-    /// The row of receivers that a row is, and which of a block's seats are taken there.
-    pub fn seated(&self, row: &Row) -> Option<(usize, Range<usize>)> {
+    /// The row of receivers on a row of nodes, and which of a block's receivers lie there.
+    pub fn taken_receivers(&self, row: &Row) -> Option<(usize, Range<usize>)> {
         // The first receiver lies above the first line.
         let first = row.low + 1 - self.receivers.margin as isize;
         let from = (-first).clamp(0, BLOCK as isize) as usize;
@@ -193,20 +193,20 @@ impl<'a> Far<'a> {
         Some(heights_m)
     }
 
-    /// Asks the hulls of a block where the tangents of the receivers at `seats` touch, and those of the row `along` steps
+    /// Asks the hulls of a block where the tangents of `receivers` touch, and those of the row `along` steps
     /// from the near side, which is to be added next.
     #[inline(always)]
-    pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, seats: &Seats) -> Asked {
+    pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, receivers: &RowReceivers) -> TangentQuery {
         let row = self.row(block.start, along);
         let heights_m = self.approach(registers, &row, along, block).unwrap_or([LOWEST_M; LINES]);
-        let mut asked = Asked {
+        let mut query = TangentQuery {
             x: row.x,
             heights_m,
             touched: [0; LINES],
             farther: [Point::default(); LINES],
             touches: [[Point::default(); LINES]; 2],
         };
-        let (x, observers_m) = (seats.row.x, seats.observers_m);
+        let (x, observers_m) = (receivers.row.x, receivers.observers_m);
         let mut lower_m = observers_m[0];
         for k in 0..LINES {
             let from = [
@@ -215,21 +215,21 @@ impl<'a> Far<'a> {
                 Point { x, height_m: observers_m[k] },
             ];
             let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
-            (asked.touched[k], asked.farther[k]) = (vertex, hidden);
-            asked.touches[0][k] = below;
+            (query.touched[k], query.farther[k]) = (vertex, hidden);
+            query.touches[0][k] = below;
             // The first line lies above no receiver: its touch is overwritten.
-            asked.touches[1][k.saturating_sub(1)] = above;
+            query.touches[1][k.saturating_sub(1)] = above;
             lower_m = observers_m[k];
         }
-        asked
+        query
     }
 
-    /// Adds the row that was `asked` for, and raises the slopes of the receivers, in metres per metre along the major axis,
+    /// Adds the row that `query` stands for, and raises the slopes of the receivers, in metres per metre along the major axis,
     /// to the far ones: NaN where the tangent touches beyond the search distance.
     #[inline(always)]
-    pub fn answer(&self, block: &mut Block, seats: &Seats, asked: &Asked, slopes: &mut [f32; LANES]) {
-        let (x, observers_m) = (seats.row.x, seats.observers_m);
-        let Asked { x: ahead_x, heights_m: ahead_m, touched, farther, touches } = asked;
+    pub fn answer(&self, block: &mut Block, receivers: &RowReceivers, query: &TangentQuery, slopes: &mut [f32; LANES]) {
+        let (x, observers_m) = (receivers.row.x, receivers.observers_m);
+        let TangentQuery { x: ahead_x, heights_m: ahead_m, touched, farther, touches } = query;
         let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
             [lines[k], intercepts_m[k]] = Point { x: *ahead_x, height_m: ahead_m[k] }.line_to(farther[k]);
@@ -238,7 +238,7 @@ impl<'a> Far<'a> {
             block.hulls[k].put(touched[k], Point { x: *ahead_x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
         }
         // A receiver lies `1 − share` above its lower line.
-        let share = seats.row.share as f32;
+        let share = receivers.row.share as f32;
         let ahead_run_m = ahead_x - x;
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
         let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
@@ -279,13 +279,13 @@ impl<'a> Far<'a> {
             slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
         }
         if worst > AGREEMENT {
-            for k in seats.taken.clone() {
+            for k in receivers.taken.clone() {
                 if doubts[k] > AGREEMENT {
                     let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
                     let own = if doubts[k] == f32::INFINITY {
                         f32::NAN
                     } else {
-                        self.own(seats, k, of(&runs_m), of(&tangents))
+                        self.own(receivers, k, of(&runs_m), of(&tangents))
                     };
                     if own > slopes[k] || own.is_nan() {
                         slopes[k] = own;
@@ -298,19 +298,20 @@ impl<'a> Far<'a> {
     /// The slope on a receiver's own line, near where its two neighbours are touched.
     #[cold]
     #[inline(never)]
-    fn own(&self, seats: &Seats, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
+    fn own(&self, receivers: &RowReceivers, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
         let inverse_posting = 1.0 / self.fine().posting_m as f32;
         let steps = runs_m.map(|run_m| (run_m * inverse_posting + 0.5) as usize);
-        let v = (seats.row.low + 1 + k as isize) as usize;
-        let reach = self.profile.reach(self.fine(), seats.row.u, v);
-        let own = self.profile.slope(self.fine(), seats.row.u, v, seats.observers_m[k], steps, reach) * inverse_posting;
+        let v = (receivers.row.low + 1 + k as isize) as usize;
+        let reach = self.profile.reach(self.fine(), receivers.row.u, v);
+        let own = self.profile.slope(self.fine(), receivers.row.u, v, receivers.observers_m[k], steps, reach)
+            * inverse_posting;
         if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
             return own;
         }
         // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
         let [below, above] = tangents;
         let lower = if below < above { below } else { above };
-        let share = seats.row.share as f32;
+        let share = receivers.row.share as f32;
         larger(own, if steps[0].min(steps[1]) > reach { share * below + (1.0 - share) * above } else { lower })
     }
 

@@ -13,7 +13,7 @@ pub struct Line {
 
 /// A level's grid in the coordinates of an azimuth.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed<'a> {
+pub struct PlacedGrid<'a> {
     pub grid: &'a Grid,
     sign: isize,
     minor: f64,
@@ -22,7 +22,7 @@ pub struct Placed<'a> {
     low_y_m: f64,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedGrid<'a> {
     /// `centre_m`: map (major, minor) coordinates of the origin of x and y.
     pub fn new(grid: &'a Grid, ray: &Ray, centre_m: glam::DVec2) -> Self {
         let first = if ray.sign > 0 { 0.0 } else { (grid.majors - 1) as f64 * grid.posting_m };

@@ -17,7 +17,7 @@ const NOWHERE: f32 = -1e9;
 
 /// Hulls of what a coarser level adds beyond the ring, on lines half its posting apart.
 #[derive(Debug)]
-pub struct Beyond {
+pub struct CoarserHulls {
     first_m: f64,
     spacing_m: f64,
     minor: f64,
@@ -25,7 +25,7 @@ pub struct Beyond {
     hulls: Vec<Hull>,
 }
 
-impl Beyond {
+impl CoarserHulls {
     /// The hulls of level `level` of `far`, beyond those that finer lines carry.
     pub fn new(registers: Registers, far: &Far, level: usize) -> Self {
         let (placed, finer) = (&far.levels[level], &far.levels[level - 1]);
