@@ -84,7 +84,7 @@ impl Verification {
     /// Drawn pixels that may lie beyond their bounds.
     pub fn allowed_beyond(&self) -> usize {
         let (measured, drawn) = (self.repeated_pixels as f64, self.drawn_pixels as f64);
-        let share = calibration::share_beyond(self.repeated_pixels);
+        let share = calibration::fraction_beyond(self.repeated_pixels);
         let variance = drawn * share * (1.0 - share) * (1.0 + drawn / (measured + 1.0));
         (drawn * share + DEVIATIONS * variance.sqrt()) as usize
     }

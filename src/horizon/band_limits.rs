@@ -1,7 +1,7 @@
 //! A band of elevations at every node of a level.
 
 use super::axis::Major;
-use super::band::Band;
+use super::band::ElevationBand;
 use super::elevation_plane::ElevationPlane;
 use crate::terrain::{Gnomonic, Level};
 
@@ -13,7 +13,7 @@ pub struct BandLimits {
 }
 
 impl BandLimits {
-    pub fn of(band: &Band, map: &Gnomonic, level: &Level, major: Major) -> Self {
+    pub fn of(band: &ElevationBand, map: &Gnomonic, level: &Level, major: Major) -> Self {
         let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
         let (width, height) = match major {
             Major::Row => (columns, rows),

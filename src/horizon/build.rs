@@ -106,15 +106,15 @@ impl<'a> Builder<'a> {
 
         let nodes = request.nodes();
         let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
-        let share = memory.share(request);
-        let accumulator = if share.sums_fit { Accumulator::new } else { Accumulator::on_disk };
+        let allowance = memory.allowance(request);
+        let accumulator = if allowance.sums_fit { Accumulator::new } else { Accumulator::on_disk };
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state);
-        if !share.sums_fit {
+        if !allowance.sums_fit {
             memory::give_back();
         }
-        let (block, probes) = (share.planes, share.probes_fit.then(Vec::new));
+        let (block, probes) = (allowance.planes, allowance.probes_fit.then(Vec::new));
         Ok(Self {
             request: *request,
             path: path.into(),

@@ -71,17 +71,17 @@ pub fn bounds(
     };
     let bounds = Bounds { columns: map.columns, codes: (0..largest_rad.len()).map(code).collect() };
     let [nodes_beyond, samples_beyond] = bounds.exceeded(nodes, errors_rad);
-    let rms_share = rms_share(&bounds, nodes, errors_rad);
-    Ok((bounds, BoundStatistics { azimuths: probed.len(), factor, rms_share, nodes_beyond, samples_beyond }))
+    let rms_fraction = rms_fraction(&bounds, nodes, errors_rad);
+    Ok((bounds, BoundStatistics { azimuths: probed.len(), factor, rms_fraction, nodes_beyond, samples_beyond }))
 }
 
-/// RMS of errors as shares of their nodes' bounds, `[node][azimuth]`, in the header's digits.
-fn rms_share(bounds: &Bounds, nodes: &[[usize; 2]], errors_rad: &[Vec<f64>]) -> f64 {
-    let shares = nodes.iter().zip(errors_rad).flat_map(|([column, row], errors_rad)| {
+/// RMS of errors as fractions of their nodes' bounds, `[node][azimuth]`, in the header's digits.
+fn rms_fraction(bounds: &Bounds, nodes: &[[usize; 2]], errors_rad: &[Vec<f64>]) -> f64 {
+    let fractions = nodes.iter().zip(errors_rad).flat_map(|([column, row], errors_rad)| {
         let bound_rad = decode_rad(bounds.codes[row * bounds.columns + column]).unwrap_or(f64::INFINITY);
         errors_rad.iter().map(move |error_rad| error_rad / bound_rad)
     });
-    ErrorStatistics::of(shares).rms_rad
+    ErrorStatistics::of(fractions).rms_rad
 }
 
 /// Every so-many-th azimuth, none of them a cardinal one where there is a choice.
@@ -106,8 +106,8 @@ fn rank(nodes: usize) -> usize {
     ((nodes + 1) / ONE_BEYOND).max(1)
 }
 
-/// Expected share of nodes beyond their bound where so many were measured.
-pub fn share_beyond(measured: usize) -> f64 {
+/// Expected fraction of nodes beyond their bound where so many were measured.
+pub fn fraction_beyond(measured: usize) -> f64 {
     rank(measured) as f64 / (measured + 1) as f64
 }
 

@@ -34,7 +34,7 @@ use super::observer::ON_GROUND_M;
 use super::receivers::Receivers;
 use super::settings::Settings;
 use super::sweep::angle::Shape;
-use super::sweep::grid::{Grid, NEVER_M};
+use super::sweep::grid::{HeightGrid, NEVER_M};
 use super::sweep::ray::Ray;
 use super::trace::Tracer;
 use super::wide::wide;
@@ -73,7 +73,7 @@ pub struct Exact<'a> {
     settings: Settings,
     major: Major,
     tracer: Tracer<'a>,
-    grids: Vec<Grid>,
+    grids: Vec<HeightGrid>,
     twists_m: Vec<f32>,
     /// The steepest step between neighbouring nodes, as a slope.
     steepest: f64,
@@ -85,7 +85,7 @@ pub struct Exact<'a> {
 impl<'a> Exact<'a> {
     /// Prepares one level of a face for the azimuths along `major`.
     pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Self {
-        let grids: Vec<_> = face.levels[level..].iter().map(|level| Grid::new(level, major, PAD, 0.0)).collect();
+        let grids: Vec<_> = face.levels[level..].iter().map(|level| HeightGrid::new(level, major, PAD, 0.0)).collect();
         let twists_m = grids[0].twists_m();
         let receivers = Receivers::new(face, &face.levels[level], major, 0.0, settings);
         let tracer = Tracer::without_finer(face, level, settings);
@@ -272,7 +272,7 @@ impl Group<'_> {
 }
 
 /// Steps after which all receivers of a group have left the grid or the search.
-fn reach(grid: &Grid, ray: &Ray, u: usize, v: usize) -> usize {
+fn reach(grid: &HeightGrid, ray: &Ray, u: usize, v: usize) -> usize {
     let majors = if ray.sign > 0 { grid.majors - 1 - u } else { u };
     let columns = if ray.minor > 0.0 { grid.minors.saturating_sub(v) } else { v + LANES };
     let minors = if ray.minor == 0.0 { f64::INFINITY } else { columns as f64 / ray.minor.abs() };
@@ -281,7 +281,7 @@ fn reach(grid: &Grid, ray: &Ray, u: usize, v: usize) -> usize {
 }
 
 /// The steepest step between two neighbouring nodes, as a slope.
-fn steepest(grid: &Grid) -> f64 {
+fn steepest(grid: &HeightGrid) -> f64 {
     let mut step_m = 0.0_f32;
     for u in 0..grid.majors {
         for v in 0..grid.minors {

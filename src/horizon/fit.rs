@@ -8,6 +8,7 @@
 //! # Assumptions
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
+pub mod bit_allocation;
 pub mod equal;
 pub mod gain;
 pub mod group;
@@ -15,7 +16,6 @@ pub mod quantiser;
 pub mod residual;
 pub mod sums;
 pub mod texels;
-pub mod water;
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -177,7 +177,7 @@ impl Accumulator {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
             Family::Fields if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
-            Family::Fields => water::pyramid(self.encoding, &self.groups),
+            Family::Fields => bit_allocation::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
         let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));

@@ -7,8 +7,8 @@ use bytemuck::cast_slice;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::band::Band;
-use super::fit::water;
+use super::band::ElevationBand;
+use super::fit::bit_allocation;
 use super::pack::Family;
 use super::request::Request;
 use super::settings::Method;
@@ -39,14 +39,14 @@ impl Key {
         hash.update((settings.azimuths as u64).to_le_bytes());
         hash.update(encoding.name());
         if encoding.family() == Family::Fields {
-            hash.update([water::REVISION]);
+            hash.update([bit_allocation::REVISION]);
         }
         match settings.method {
             Method::Sweep => hash.update([sweep::REVISION]),
             Method::Exact => hash.update("Exact"),
             Method::Gpu => hash.update("Gpu"),
         }
-        if let Some(Band { towards, reach_rad }) = settings.band {
+        if let Some(ElevationBand { towards, reach_rad }) = settings.band {
             hash.update(b"band");
             hash.update(cast_slice::<f64, u8>(&[towards[0], towards[1], towards[2], reach_rad]));
         }
@@ -108,7 +108,7 @@ mod tests {
         };
         let (body, face) = (Body::moon(), Face { map, levels: vec![level] });
         let settings = Settings::default();
-        let band = Band { towards: [0.6, 0.0, 0.8], reach_rad: 0.02 };
+        let band = ElevationBand { towards: [0.6, 0.0, 0.8], reach_rad: 0.02 };
         let cases = [
             (Encoding::Fm16, settings, "b362cf92984bccd1218f25f24b833a1aa0b4d59ff732b2abdb42324f8cfaabb2"),
             (Encoding::W21, settings, "05896367a963970354e5a4c6ff14019c92293f81b2668f4b0b5ea6062e533e9a"),

@@ -28,8 +28,8 @@ impl Sample {
         // The additive recurrence of the plastic number fills a square evenly (Roberts 2018).
         let plastic = 1.324_717_957_244_746;
         let spread = |i: usize| {
-            let share = |step: f64, nodes: usize| ((0.5 + i as f64 * step).fract() * nodes as f64) as usize;
-            [share(1.0 / plastic, columns), share(1.0 / (plastic * plastic), rows)]
+            let spread_over = |step: f64, nodes: usize| ((0.5 + i as f64 * step).fract() * nodes as f64) as usize;
+            [spread_over(1.0 / plastic, columns), spread_over(1.0 / (plastic * plastic), rows)]
         };
         let known = |[column, row]: &[usize; 2]| !level.gap[level.index(column + level.margin, row + level.margin)];
         let pixels: Vec<_> = (0..count).map(spread).filter(known).collect();

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Face --sweep--> elevations per azimuth --fit--> Fourier coefficients --pack--> HorizonMap --store--> tile
-//!      --trace--> the same, one point at a time, believed; every tile carries its errors against it
+//!      --trace--> elevations of one point, the reference: every tile carries its errors against it
 //! ```
 //!
 //! Elevations are angles above the plane perpendicular to the vector from the map's centre of projection, in radians,
@@ -20,6 +20,7 @@ pub mod bound;
 pub mod build;
 pub mod calibration;
 pub mod checkpoint;
+pub mod coefficients;
 pub mod companding;
 pub mod decode;
 pub mod elevation_plane;
@@ -34,7 +35,6 @@ pub mod key;
 pub mod lanes;
 pub mod measure;
 pub mod memory;
-pub mod numbers;
 pub mod observer;
 pub mod pack;
 pub mod pages;
@@ -52,7 +52,7 @@ pub mod texel_store;
 pub mod trace;
 pub mod wide;
 
-pub use band::Band;
+pub use band::ElevationBand;
 pub use bound::Bounds;
 pub use build::{build, build_at, open_or_build};
 pub use error::Error;

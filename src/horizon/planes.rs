@@ -68,7 +68,7 @@ impl<'a> Sweeps<'a> {
 
 /// Elevations of the skyline at all seen nodes of a level in one azimuth.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plane {
+pub struct StoredPlane {
     pub columns: usize,
     pub rows: usize,
     low_rad: f32,
@@ -77,7 +77,7 @@ pub struct Plane {
     values: Vec<u16>,
 }
 
-impl Plane {
+impl StoredPlane {
     pub fn new(columns: usize, elevations_rad: &[f32]) -> Self {
         let range = elevations_rad.iter().fold((f32::MAX, f32::MIN), |(low, high), e| (low.min(*e), high.max(*e)));
         let (low_rad, high_rad) = if range.0 <= range.1 { range } else { (0.0, 0.0) };
@@ -141,7 +141,7 @@ pub fn path_for(directory: &Path, key: &str) -> PathBuf {
 }
 
 /// Writes a plane under its final name once it is whole.
-pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Result<(), Error> {
+pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
     let path = path_for(directory, key);
     let partial = path.with_extension("tif.writing");
@@ -154,7 +154,7 @@ pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Re
     outcome
 }
 
-fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Result<(), Error> {
+fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     let header = Header {
         format: FORMAT.into(),
         key: key.into(),
@@ -180,7 +180,7 @@ fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Result
 }
 
 /// Reads the plane of a key of a level with so many seen nodes.
-pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<Plane, Error> {
+pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<StoredPlane, Error> {
     let path = path_for(directory, key);
     let file = File::open(&path).map_err(|source| Error::read(&path, source))?;
     let decode = |source| Error::Decode { path: path.clone(), source };
@@ -201,7 +201,7 @@ pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<
     if digest(&values) != header.sha256 {
         return Err(Error::header(&path, "its values do not have the SHA-256 that it states"));
     }
-    Ok(Plane { columns, rows, low_rad: header.low_rad, unit_rad: header.unit_rad, values })
+    Ok(StoredPlane { columns, rows, low_rad: header.low_rad, unit_rad: header.unit_rad, values })
 }
 
 fn digest(values: &[u16]) -> String {

@@ -11,7 +11,7 @@ use crate::terrain::{Face, Level};
 pub struct Request<'a> {
     pub body: &'a Body,
     pub face: &'a Face,
-    /// Index of the level that gets horizons; finer ones have no share in them.
+    /// Index of the level that gets horizons; finer ones take no part in them.
     pub level: usize,
     pub settings: Settings,
     pub encoding: Encoding,

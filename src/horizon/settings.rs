@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::band::Band;
+use super::band::ElevationBand;
 use crate::terrain::Gnomonic;
 
 /// How the skyline of each node is looked for.
@@ -42,7 +42,7 @@ pub struct Settings {
     pub method: Method,
     /// The elevations that matter: horizons beyond them are moved to their ends before they are compressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub band: Option<Band>,
+    pub band: Option<ElevationBand>,
 }
 
 impl Default for Settings {

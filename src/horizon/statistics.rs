@@ -19,7 +19,7 @@ impl ErrorStatistics {
         let mut sizes_rad: Vec<f64> = errors_rad.into_iter().map(f64::abs).collect();
         sizes_rad.sort_by(f64::total_cmp);
         let Some(last) = sizes_rad.len().checked_sub(1) else { return Self::default() };
-        let quantile = |share: f64| short(sizes_rad[(last as f64 * share).round() as usize]);
+        let quantile = |fraction: f64| short(sizes_rad[(last as f64 * fraction).round() as usize]);
         let mean_square = sizes_rad.iter().map(|e| e * e).sum::<f64>() / sizes_rad.len() as f64;
         Self {
             samples: sizes_rad.len(),
@@ -56,8 +56,9 @@ pub struct BoundStatistics {
     pub azimuths: usize,
     /// From the largest error there to the bound; 0 where no node was measured and no bound is known.
     pub factor: f64,
-    /// RMS of the measured samples' errors as shares of their nodes' bounds: times a bound, a standard deviation.
-    pub rms_share: f64,
+    /// RMS of the measured samples' errors as fractions of their nodes' bounds: times a bound, a standard deviation.
+    #[serde(rename = "rms_share")]
+    pub rms_fraction: f64,
     /// Measured nodes, and samples of them, beyond their bound.
     pub nodes_beyond: usize,
     pub samples_beyond: usize,

@@ -55,7 +55,7 @@ use crate::terrain::{Face, Level};
 use angle::Shape;
 use coarser_levels::CoarserHulls;
 use far::{BLOCK, Block, Far, RowReceivers};
-use grid::{Grid, middle_m};
+use grid::{HeightGrid, middle_m};
 use line::PlacedGrid;
 use near::{NEAR, Site, Stencil};
 use profile::Profile;
@@ -75,7 +75,7 @@ pub struct Sweep<'a> {
     settings: Settings,
     major: Major,
     datum_m: f64,
-    grids: Vec<Grid>,
+    grids: Vec<HeightGrid>,
     twists_m: Vec<f32>,
     pub receivers: Receivers,
 }
@@ -87,8 +87,8 @@ impl<'a> Sweep<'a> {
         let datum_m = middle_m(&levels[0]);
         let widened = levels.get(1).map(|coarser| widened(&levels[0], coarser, NEAR + 2));
         let fine = widened.as_ref().unwrap_or(&levels[0]);
-        let coarser = levels[1..].iter().map(|level| Grid::new(level, major, 1, datum_m));
-        let grids: Vec<_> = std::iter::once(Grid::new(fine, major, NEAR + 2, datum_m)).chain(coarser).collect();
+        let coarser = levels[1..].iter().map(|level| HeightGrid::new(level, major, 1, datum_m));
+        let grids: Vec<_> = std::iter::once(HeightGrid::new(fine, major, NEAR + 2, datum_m)).chain(coarser).collect();
         let twists_m = grids[0].twists_m();
         let receivers = Receivers::new(face, fine, major, datum_m, settings);
         Self { face, level, settings: *settings, major, datum_m, grids, twists_m, receivers }

@@ -309,12 +309,12 @@ impl Cell {
         Self { heights_m: level.corners_m(column, row), gaps, offset, rate }
     }
 
-    /// `None` where a gap has a share in the height.
+    /// `None` where a gap takes part in the height.
     fn height_m(&self, t_m: f64) -> Option<f64> {
         let f = (self.offset + self.rate * t_m).clamp(DVec2::ZERO, DVec2::ONE);
-        let shares = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
-        let touched = self.gaps.iter().zip(shares).any(|(gap, share)| *gap && share > 1e-6);
-        (!touched).then(|| self.heights_m.iter().zip(shares).map(|(height_m, share)| height_m * share).sum())
+        let weights = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
+        let touched = self.gaps.iter().zip(weights).any(|(gap, weight)| *gap && weight > 1e-6);
+        (!touched).then(|| self.heights_m.iter().zip(weights).map(|(height_m, weight)| height_m * weight).sum())
     }
 
     /// `c₀, c₁, c₂` of the surface along the line.

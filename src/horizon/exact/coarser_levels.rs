@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::Exact;
 use super::maxima::{Maxima, STEPS};
 use crate::horizon::observer::raised;
-use crate::horizon::sweep::grid::Grid;
+use crate::horizon::sweep::grid::HeightGrid;
 use crate::horizon::sweep::ray::Ray;
 
 /// A coarser level as one azimuth sees it.
@@ -16,7 +16,7 @@ use crate::horizon::sweep::ray::Ray;
 struct Coarse<'a> {
     /// Counted from the searched level.
     level: usize,
-    grid: &'a Grid,
+    grid: &'a HeightGrid,
     maxima: Maxima,
     /// Map metres along the line per major step.
     step_m: f64,
@@ -43,7 +43,7 @@ struct Receiver {
 
 impl<'a> CoarserLevels<'a> {
     pub fn new(exact: &'a Exact<'a>, ray: &'a Ray, direction: DVec2) -> Self {
-        let coarse = |(level, grid): (usize, &'a Grid)| Coarse {
+        let coarse = |(level, grid): (usize, &'a HeightGrid)| Coarse {
             level,
             grid,
             maxima: Maxima::new(grid, &grid.twists_m(), ray),

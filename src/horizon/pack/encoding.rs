@@ -64,7 +64,7 @@ pub enum Family {
     Halves,
     /// Sampled elevations as half floats ([`super::raw`]).
     Samples,
-    /// Fields of bits ([`super::water`]).
+    /// Fields of bits ([`super::bit_fields`]).
     Fields,
 }
 
@@ -219,7 +219,7 @@ impl Encoding {
         let decoder = match self.family() {
             Family::Halves => include_str!("half.wgsl"),
             Family::Samples => concat!(include_str!("raw.wgsl"), include_str!("profile.wgsl")),
-            Family::Fields => concat!(include_str!("water.wgsl"), include_str!("profile.wgsl")),
+            Family::Fields => concat!(include_str!("bit_fields.wgsl"), include_str!("profile.wgsl")),
         };
         [include_str!("../series.wgsl"), decoder].concat()
     }

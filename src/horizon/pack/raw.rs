@@ -27,9 +27,9 @@ impl Sampled {
         let count = self.elevations_rad.len();
         let per_rad = count as f64 / TAU;
         let at = towards.x.atan2(towards.y).rem_euclid(TAU) * per_rad;
-        let (low, share) = (at.floor() as usize % count, at.fract());
+        let (low, fraction) = (at.floor() as usize % count, at.fract());
         let [from, to] = [low, (low + 1) % count].map(|index| self.elevations_rad[index]);
-        (from + share * (to - from), (to - from) * per_rad)
+        (from + fraction * (to - from), (to - from) * per_rad)
     }
 }
 

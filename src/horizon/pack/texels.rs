@@ -30,15 +30,15 @@ impl Texels {
     /// A pair of numbers, read from each of the four texels about a grid point and interpolated.
     pub(super) fn bilinear(&self, grid: DVec2, scale: usize, read: impl Fn(&[u32]) -> [f64; 2]) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (column, row, share) in self.corners(grid, scale) {
+        for (column, row, weight) in self.corners(grid, scale) {
             let [a, b] = read(self.texel(column, row));
-            sum[0] += share * a;
-            sum[1] += share * b;
+            sum[0] += weight * a;
+            sum[1] += weight * b;
         }
         sum
     }
 
-    /// Columns, rows and shares of the four texels about a grid point.
+    /// Columns, rows and weights of the four texels about a grid point.
     pub(super) fn corners(&self, grid: DVec2, scale: usize) -> [(usize, usize, f64); 4] {
         let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
         let at = ((grid + 0.5) / scale as f64 - 0.5).clamp(DVec2::ZERO, last);

@@ -70,8 +70,8 @@ impl CoarserHulls {
         for line in lines[0] as usize..=last {
             let tangents = self.tangents(registers, line, x_m as f32, observers_m);
             for lane in 0..LANES {
-                let share = 1.0 - (lines[lane] - line as f64).abs() as f32;
-                slopes[lane] += if share > 0.0 { share * tangents[lane] } else { 0.0 };
+                let fraction = 1.0 - (lines[lane] - line as f64).abs() as f32;
+                slopes[lane] += if fraction > 0.0 { fraction * tangents[lane] } else { 0.0 };
             }
         }
         slopes

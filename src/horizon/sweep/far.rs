@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use super::grid::Grid;
+use super::grid::HeightGrid;
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, PlacedGrid};
 use super::near::NEAR;
@@ -49,19 +49,19 @@ pub struct Far<'a> {
 
 /// A row of nodes where it is crossed by a block of lines.
 #[derive(Debug, Clone, Copy)]
-pub struct Row {
+pub struct CrossedRow {
     /// Major index of the row, and its distance coordinate.
     pub u: isize,
     pub x: f32,
-    /// The first line crosses at minor coordinate `low + share`, the next ones a posting apart.
+    /// The first line crosses at minor coordinate `low + fraction`, the next ones a posting apart.
     pub low: isize,
-    share: f64,
+    fraction: f64,
 }
 
 /// Receivers of a row, the first just above the first line of a block, the others a posting apart.
 #[derive(Debug, Clone)]
 pub struct RowReceivers<'a> {
-    pub row: Row,
+    pub row: CrossedRow,
     /// Those that are taken.
     pub taken: Range<usize>,
     pub observers_m: &'a [f32; LANES],
@@ -91,7 +91,7 @@ pub struct Block {
 }
 
 impl<'a> Far<'a> {
-    pub fn fine(&self) -> &'a Grid {
+    pub fn fine(&self) -> &'a HeightGrid {
         self.levels[0].grid
     }
 
@@ -132,7 +132,7 @@ impl<'a> Far<'a> {
     }
 
     /// The row of receivers on a row of nodes, and which of a block's receivers lie there.
-    pub fn taken_receivers(&self, row: &Row) -> Option<(usize, Range<usize>)> {
+    pub fn taken_receivers(&self, row: &CrossedRow) -> Option<(usize, Range<usize>)> {
         // The first receiver lies above the first line.
         let first = row.low + 1 - self.receivers.margin as isize;
         let from = (-first).clamp(0, BLOCK as isize) as usize;
@@ -153,7 +153,7 @@ impl<'a> Far<'a> {
     }
 
     /// Where the lines of the block that begins with `start` cross the row `along` steps from the near side.
-    pub fn row(&self, start: isize, along: isize) -> Row {
+    pub fn row(&self, start: isize, along: isize) -> CrossedRow {
         let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
         let steps = self.ray.sign * (u - self.pivot());
         // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
@@ -161,7 +161,7 @@ impl<'a> Far<'a> {
         // `floor` is a call on targets without SSE 4.1.
         let whole = v as isize;
         let low = whole - isize::from(whole as f64 > v);
-        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
+        CrossedRow { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, fraction: v - low as f64 }
     }
 
     /// Adds the row `along` steps from the near side to the hulls of a block that serves nobody.
@@ -177,7 +177,13 @@ impl<'a> Far<'a> {
     /// Heights of a block's lines on a row, once what lies between it and the row beyond is pushed; `None` where no
     /// line crosses it.
     #[inline(always)]
-    fn approach(&self, registers: Registers, row: &Row, along: isize, block: &mut Block) -> Option<[f32; LINES]> {
+    fn approach(
+        &self,
+        registers: Registers,
+        row: &CrossedRow,
+        along: isize,
+        block: &mut Block,
+    ) -> Option<[f32; LINES]> {
         let fine = self.fine();
         let crosses =
             (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
@@ -237,8 +243,8 @@ impl<'a> Far<'a> {
         for k in 0..LINES {
             block.hulls[k].put(touched[k], Point { x: *ahead_x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
         }
-        // A receiver lies `1 − share` above its lower line.
-        let share = receivers.row.share as f32;
+        // A receiver lies `1 − fraction` above its lower line.
+        let fraction = receivers.row.fraction as f32;
         let ahead_run_m = ahead_x - x;
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
         let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
@@ -255,7 +261,7 @@ impl<'a> Far<'a> {
             let (rise_b, run_b) = steeper(touches[1][k], next_m[k]);
             let inverse = 1.0 / (run_a * run_b);
             let (below, above) = (rise_a * run_b * inverse, rise_b * run_a * inverse);
-            mixed[k] = share * below + (1.0 - share) * above;
+            mixed[k] = fraction * below + (1.0 - fraction) * above;
             (runs_m[0][k], runs_m[1][k]) = (run_a, run_b);
             (tangents[0][k], tangents[1][k]) = (below, above);
             turns[k + 1] = above - below;
@@ -264,9 +270,9 @@ impl<'a> Far<'a> {
         }
         // The outermost receivers have a neighbour on one side.
         (turns[0], turns[LINES]) = (turns[1], turns[BLOCK]);
-        // Linear interpolation errs by `share (1 − share)/2` of the second difference. A line through the receiver itself
+        // Linear interpolation errs by `fraction (1 − fraction)/2` of the second difference. A line through the receiver itself
         // still misses the humps of cells.
-        let weight = 0.5 * share * (1.0 - share) + 0.01;
+        let weight = 0.5 * fraction * (1.0 - fraction) + 0.01;
         let mut doubts = [0.0; LINES];
         for k in 0..LINES {
             let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
@@ -311,18 +317,18 @@ impl<'a> Far<'a> {
         // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
         let [below, above] = tangents;
         let lower = if below < above { below } else { above };
-        let share = receivers.row.share as f32;
-        larger(own, if steps[0].min(steps[1]) > reach { share * below + (1.0 - share) * above } else { lower })
+        let fraction = receivers.row.fraction as f32;
+        larger(own, if steps[0].min(steps[1]) > reach { fraction * below + (1.0 - fraction) * above } else { lower })
     }
 
     /// Pushes where lines cross a column between a row and the one beyond it, if the surface stands above the chord there.
     #[inline(always)]
-    fn push_columns(&self, registers: Registers, row: &Row, heights_m: &[f32; LINES], block: &mut Block) {
+    fn push_columns(&self, registers: Registers, row: &CrossedRow, heights_m: &[f32; LINES], block: &mut Block) {
         let fine = self.fine();
         // All lines of a block cross their columns at the same distance.
-        let beyond = row.share + self.ray.minor;
+        let beyond = row.fraction + self.ray.minor;
         let column = if beyond > 1.0 { 1 } else { 0 };
-        let along = (column as f64 - row.share) / self.ray.minor;
+        let along = (column as f64 - row.fraction) / self.ray.minor;
         if (0.0..=1.0).contains(&beyond) || along <= LEAST || along >= 1.0 - LEAST {
             return;
         }
@@ -362,12 +368,12 @@ impl Default for Block {
 
 /// Heights of a block's lines on a row of nodes.
 #[inline(always)]
-fn sample(grid: &Grid, row: &Row) -> [f32; LINES] {
+fn sample(grid: &HeightGrid, row: &CrossedRow) -> [f32; LINES] {
     let (low, high): (&[f32; LINES], &[f32; LINES]) = (grid.lanes(row.u, row.low), grid.lanes(row.u, row.low + 1));
-    let share = row.share as f32;
+    let fraction = row.fraction as f32;
     let mut heights_m = [0.0; LINES];
     for k in 0..LINES {
-        heights_m[k] = larger((1.0 - share) * low[k] + share * high[k], LOWEST_M);
+        heights_m[k] = larger((1.0 - fraction) * low[k] + fraction * high[k], LOWEST_M);
     }
     heights_m
 }

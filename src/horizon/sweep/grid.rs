@@ -6,15 +6,15 @@ use crate::horizon::axis::Major;
 use crate::horizon::lanes::LANES;
 use crate::terrain::Level;
 
-/// Height of what never occludes: far below everything, yet finite, so that a share of 0 in it is 0.
+/// Height of what never occludes: far below everything, yet finite, so that a weight of 0 makes it 0.
 pub const NEVER_M: f32 = -1e30;
 
-/// Heights below this have a share of [`NEVER_M`] in them.
+/// Heights below this are interpolated with [`NEVER_M`].
 pub const ABSENT_M: f32 = -1e10;
 
 /// Occluding heights, `[major][minor]`, with a margin of [`NEVER_M`] all around.
 #[derive(Debug)]
-pub struct Grid {
+pub struct HeightGrid {
     pub majors: usize,
     pub minors: usize,
     pub stride: usize,
@@ -25,7 +25,7 @@ pub struct Grid {
     pub heights_m: Vec<f32>,
 }
 
-impl Grid {
+impl HeightGrid {
     /// Heights of `level` above `datum_m`, reachable up to `pad` nodes beyond its sides.
     pub fn new(level: &Level, major: Major, pad: usize, datum_m: f64) -> Self {
         let (majors, minors) = match major {
