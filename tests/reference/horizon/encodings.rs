@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use half::f16;
-use perilune::horizon::axis::Major;
-use perilune::horizon::elevation_plane::ElevationPlane;
-use perilune::horizon::fit::Accumulator;
-use perilune::horizon::pack::Family;
-use perilune::horizon::{Encoding, HorizonMap};
+use perilune_engine::horizon::axis::Major;
+use perilune_engine::horizon::elevation_plane::ElevationPlane;
+use perilune_engine::horizon::fit::Accumulator;
+use perilune_engine::horizon::pack::Family;
+use perilune_engine::horizon::{Encoding, HorizonMap};
 
 const SIDE: usize = 32;
 const AZIMUTHS: usize = 144;
