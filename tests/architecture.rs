@@ -153,7 +153,7 @@ const WITHOUT_CIRCLES: [&str; 1] = ["horizon"];
 
 #[test]
 fn files_of_a_module_are_in_no_circle() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("engine/src");
     for module in WITHOUT_CIRCLES {
         let sources = rust_files(&src).into_iter().filter_map(|file| {
             let path = file.strip_prefix(&src).ok()?.to_string_lossy().replace('\\', "/");
