@@ -5,6 +5,7 @@ mod bench;
 mod cli;
 mod compare;
 mod conformance;
+mod docs;
 mod invariants;
 mod readers;
 mod reference;
