@@ -6,10 +6,13 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// The default scenario made small enough for a test.
-const SMALLER: [(&str, &str); 3] = [
-    ("columns: 1024, rows: 1024", "columns: 64, rows: 64"),
+const SMALLER: [(&str, &str); 6] = [
+    ("columns: 513, rows: 513", "columns: 65, rows: 65"),
+    ("columns: 641, rows: 641", "columns: 81, rows: 81"),
+    ("columns: 961, rows: 961", "columns: 121, rows: 121"),
+    ("columns: 1024", "columns: 64"),
+    ("rows: 1024", "rows: 64"),
     ("count: 24", "count: 2"),
-    ("azimuths: 360", "azimuths: 64"),
 ];
 
 /// The program's file, copied to a folder that holds nothing else.
