@@ -20,6 +20,19 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// A camera at `position` whose boresight meets `target`; the top of its image leans towards `top`. `None` where the
+    /// target is the position itself, or the boresight points along `top`.
+    pub fn looking_at(
+        position: Position<BodyFixed>,
+        target: Position<BodyFixed>,
+        top: Direction<BodyFixed>,
+    ) -> Option<Self> {
+        let boresight = position.direction_to(target)?.unit();
+        let across = boresight.cross(top.unit()).try_normalize()?;
+        let down = boresight.cross(across);
+        Some(Self { position, camera_from_body: Rotation::from_axes(across, down, boresight) })
+    }
+
     /// Between two poses: a straight way at constant speed, a turn about one axis at constant rate.
     pub fn between(&self, other: &Self, share: f64) -> Self {
         let [a, b] = [self, other].map(|pose| pose.camera_from_body.quaternion());
