@@ -150,9 +150,9 @@ pub fn coefficients(encoding: Encoding, fields: &[Vec<BitField>]) -> Vec<Coeffic
         |real: usize| if real.is_multiple_of(2) { CoefficientName::A(real / 2) } else { CoefficientName::B(real / 2) };
     let of = encoding.samples();
     let of_page = |(level, page): (usize, super::pack::Page)| match encoding.family() {
-        Family::Halves => halves(level, page.scale, page.words, &complex),
-        Family::Samples => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
-        Family::Fields => {
+        Family::Fourier => halves(level, page.scale, page.words, &complex),
+        Family::Sampled => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
+        Family::Quantised => {
             let (scale, bits) = (page.scale, encoding.gain_bits());
             let field = |field: &BitField| (real(field.real), Location::Field(*field));
             let gain = (bits > 0).then_some((CoefficientName::Gain, Location::Gain(bits)));

@@ -65,12 +65,12 @@ impl Accumulator {
         };
         let texel = 2 * TEXEL_COEFFICIENTS;
         let groups = match encoding.family() {
-            Family::Halves => {
+            Family::Fourier => {
                 let pages = encoding.pages().into_iter().enumerate();
                 pages.map(|(index, page)| group(page.scale, index * texel, texel)).collect()
             }
-            Family::Samples => vec![group(1, 0, encoding.samples())],
-            Family::Fields => {
+            Family::Sampled => vec![group(1, 0, encoding.samples())],
+            Family::Quantised => {
                 (0..2 * (encoding.harmonics() + 1)).step_by(texel).map(|first| group(1, first, texel)).collect()
             }
         };
@@ -97,8 +97,8 @@ impl Accumulator {
     /// What [`Self::map`] takes beside the sums: of a pyramid of fields the coarse means, and what is decoded of them.
     pub fn fit_bytes(&self) -> usize {
         match self.encoding.family() {
-            Family::Fields => 2 * self.bytes() / 3,
-            Family::Halves | Family::Samples => 0,
+            Family::Quantised => 2 * self.bytes() / 3,
+            Family::Fourier | Family::Sampled => 0,
         }
     }
 
@@ -174,10 +174,10 @@ impl Accumulator {
     /// The sums as a map, its errors not yet measured.
     pub fn map(&self) -> HorizonMap {
         let (levels, fields) = match self.encoding.family() {
-            Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
-            Family::Samples => (self.halves(pack), Vec::new()),
-            Family::Fields if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
-            Family::Fields => bit_allocation::pyramid(self.encoding, &self.groups),
+            Family::Fourier => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
+            Family::Sampled => (self.halves(pack), Vec::new()),
+            Family::Quantised if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
+            Family::Quantised => bit_allocation::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
         let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));

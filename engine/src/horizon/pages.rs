@@ -152,8 +152,8 @@ pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, erro
         of_scale.filter_map(|page| page.header.field).collect::<Vec<BitField>>()
     };
     let fields = match encoding.family() {
-        Family::Fields => layouts.iter().map(fields_of).collect(),
-        Family::Halves | Family::Samples => Vec::new(),
+        Family::Quantised => layouts.iter().map(fields_of).collect(),
+        Family::Fourier | Family::Sampled => Vec::new(),
     };
     let bounds = Bounds { columns, codes };
     let mut map = HorizonMap { encoding, columns, rows, levels, fields, errors, bounds };
@@ -188,7 +188,7 @@ mod tests {
             assert!(map(&pages, encoding, 19, 10, noise.errors).unwrap() == noise, "{encoding}");
             // Which fields a pyramid has, its pages alone say.
             let missing = map(&pages[1..], encoding, 19, 10, noise.errors);
-            assert!(missing.is_none() || encoding.family() == Family::Fields, "{encoding}");
+            assert!(missing.is_none() || encoding.family() == Family::Quantised, "{encoding}");
             assert!(map(&pages, encoding, 20, 10, noise.errors).is_none(), "{encoding}");
         }
         let noise = noise(Encoding::F16, 19, 10);

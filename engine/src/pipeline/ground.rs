@@ -10,7 +10,7 @@ use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
+use crate::horizon::{self, Encoding, HorizonMap, Key, Resources};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
@@ -274,16 +274,17 @@ impl Tile<'_> {
 
 /// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
 /// is told to `finished`.
-pub fn horizons<E: From<Error>>(
-    surface: &Surface,
+pub fn horizons<'a, E: From<Error>>(
+    surface: &'a Surface,
     settings: &horizon::Settings,
     encoding: Encoding,
     folder: &Path,
-    memory: Memory,
+    resources: impl Into<Resources<'a>>,
     progress: &dyn Progress,
     mut finished: impl FnMut(&Tile) -> Result<(), E>,
 ) -> Result<Vec<Vec<HorizonMap>>, E> {
     let faces = &surface.terrain.faces;
+    let resources = resources.into();
     let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
     let mut tile = 0;
     let mut maps = Vec::new();
@@ -299,7 +300,7 @@ pub fn horizons<E: From<Error>>(
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, resources, &heard).map_err(Error::from)?;
             let key = request.key();
             let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());

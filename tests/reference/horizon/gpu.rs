@@ -18,7 +18,7 @@ fn compare(seen: &Face, traced: &Face, level: usize, settings: &Settings) -> Err
     let tracer = Tracer::without_finer(traced, level, settings);
     let mut errors_rad = Vec::new();
     for major in [Major::Row, Major::Column] {
-        let device = OnDevice::new(seen, level, major, settings).unwrap();
+        let device = OnDevice::new(gpu().unwrap(), seen, level, major, settings).unwrap();
         let r = &device.receivers;
         let nodes = &seen.levels[level];
         let mut random = Random(11);
