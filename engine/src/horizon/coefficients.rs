@@ -91,7 +91,7 @@ pub struct Coefficient {
 }
 
 impl Coefficient {
-    /// Of a texel.
+    /// The whole number in a texel.
     pub fn get(&self, texel: &[u32]) -> i32 {
         match &self.location {
             Location::Half { word, shift } => i32::from(ordered((texel[*word] >> shift) as u16 as i16)),

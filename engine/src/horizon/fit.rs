@@ -165,7 +165,7 @@ impl Accumulator {
         sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
     }
 
-    /// The same sums for an encoding that keeps the first groups of them, or the same ones with other bits.
+    /// These sums for an encoding that keeps the first groups of them, or all of them with other bits.
     pub fn narrowed(&self, encoding: Encoding) -> Self {
         let groups = Self::on_disk(encoding, self.columns, self.rows, self.azimuths).groups.len();
         Self { encoding, groups: self.groups[..groups].to_vec(), ..*self }

@@ -13,18 +13,8 @@
 //! `(i + ½) s − ½`. All encodings are linear in their words' values, so that interpolation and evaluation commute; `w*` are of
 //! elevations that are expanded last.
 //!
-//! At the nodes `w21` errs by a third of what `fm16` does, in images by as much: there, interpolation between nodes errs. On
-//! the connecting ridge under a Sun of 1.5° (`sim bench shadows`), in fractions of full Sun:
-//!
-//! | | horizons at the nodes, RMS | light, RMS | 99 % within | RMS in the penumbra |
-//! |---|---|---|---|---|
-//! | `fm16` | 0.184° | 0.0016 | 0.0023 | 0.0103 |
-//! | `f16` | 0.127° | 0.0014 | 0.0016 | 0.0078 |
-//! | `w16` | 0.080° | 0.0019 | 0.0021 | 0.0109 |
-//! | `w21` | 0.059° | 0.0018 | 0.0021 | 0.0102 |
-//!
-//! What a cell does between its nodes decides, whatever they hold. Decoding fields takes a software device half as long again
-//! as half floats, and fitting them a tile's memory three times over: for images `fm16` stays the default.
+//! `w21` errs less than `fm16` at the nodes; in images interpolation between nodes decides, and `fm16` stays their default:
+//! `docs/experiments/horizon_encodings_in_images.md`.
 //!
 //! # References
 //! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, doi:10.2312/hpg.20251171.

@@ -7,9 +7,7 @@
 //!
 //! The last page holds the codes of [`super::bound`].
 //!
-//! Measured on 512² nodes of cratered highland, the south polar cap and the connecting ridge, in bytes a node: half floats
-//! by fours and deflated 18.7, 18.7, 18.5; these pages 15.7, 15.8, 15.8. Predicting from three neighbours (MED) and
-//! splitting bytes would give 13.3, 13.7, 13.7, in a file that no reader of TIFF makes sense of.
+//! Bytes a node, and what else was tried: `docs/experiments/horizon_files.md`.
 
 use std::io::{Read, Seek, Write};
 
@@ -33,7 +31,7 @@ const BOUND: &str = "bound";
 /// What a page holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PageHeader {
-    /// That of [`super::coefficients::CoefficientName`], or `bound`.
+    /// Text of a [`super::coefficients::CoefficientName`], or `bound`.
     pub name: String,
     /// Nodes per texel side.
     pub scale: usize,

@@ -131,7 +131,7 @@ struct Header {
     azimuth_rad: f64,
     low_rad: f32,
     unit_rad: f32,
-    /// Of the values, little-endian.
+    /// Hash of the values, little-endian.
     sha256: String,
 }
 

@@ -17,19 +17,7 @@
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
-//! What limits it, in fractions of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven
-//! scenes), patches of 96² nodes, beside exact series at full resolution (numerical experiment):
-//!
-//! | scene | 31 harmonics | 47 | 63 | `w21` without gains and companding | companded | with both |
-//! |---|---|---|---|---|---|---|
-//! | cratered | 0.24 | 0.12 | 0.07 | 0.30 | 0.32 | 0.29 |
-//! | blocks | 0.45 | 0.31 | 0.24 | 0.58 | 0.50 | 0.47 |
-//! | needles of one node | 0.79 | 0.69 | 0.60 | 0.84 | 0.77 | 0.75 |
-//! | connecting ridge | 0.11 | 0.07 | 0.04 | 0.30 | 0.30 | 0.27 |
-//!
-//! Bits are what is missing but on needles: they are narrower than the waves. In their penumbras 63 exact harmonics have
-//! 0.98 of `fm16`'s error and 170 have 0.74. Code books of Lloyd and Max's in place of equal steps, one for each
-//! coefficient, gained nothing; gains of three bits gained less than of two.
+//! Bits are what is missing, not harmonics, but on needles of one node: `docs/experiments/horizon_bit_allocation.md`.
 //!
 //! # References
 //! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3.

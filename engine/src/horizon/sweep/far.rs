@@ -62,7 +62,7 @@ pub struct CrossedRow {
 #[derive(Debug, Clone)]
 pub struct RowReceivers<'a> {
     pub row: CrossedRow,
-    /// Those that are taken.
+    /// Indices of the receivers that exist.
     pub taken: Range<usize>,
     pub observers_m: &'a [f32; LANES],
 }
