@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn clamping_never_changes_on_which_side_of_a_disc_the_skyline_is() {
+    fn clamping_keeps_the_skyline_on_its_side_of_a_disc() {
         let lights = lights(&[[0.3, 0.02], [0.35, 0.03], [0.4, 0.01]]);
         let (band, map) = (ElevationBand::about(&lights).unwrap(), map());
         for at_m in [DVec2::ZERO, DVec2::new(180_000.0, -90_000.0), DVec2::new(-184_000.0, 184_000.0)] {
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_band_of_one_light_is_its_disc_and_the_margin_and_of_opposite_ones_none() {
+    fn one_light_has_a_band_and_opposite_lights_have_none() {
         let [low_rad, high_rad] = ElevationBand::about(&lights(&[[1.0, 0.1]])).unwrap().ends_rad(&map(), DVec2::ZERO);
         let reach_rad = (1.0 + MARGIN_RADII) * SUN_RADIUS_RAD;
         // Rounded to a microradian each.

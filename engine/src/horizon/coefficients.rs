@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whole_numbers_keep_the_order_of_half_floats_and_give_them_back() {
+    fn whole_numbers_keep_the_order_of_half_floats() {
         let finite = |bits: &u16| f16::from_bits(*bits).is_finite();
         let mut halves: Vec<u16> = (0..=u16::MAX).filter(finite).collect();
         assert!(halves.iter().all(|bits| ordered(ordered(*bits as i16)) as u16 == *bits));

@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_along_the_columns_adds_what_the_same_one_along_the_rows_does() {
+    fn planes_along_columns_and_along_rows_add_alike() {
         let (columns, rows) = (19, 10);
         let along_rows = planes(columns, rows, 40);
         let turned = |plane: &ElevationPlane| {

@@ -238,7 +238,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn coefficients_linear_over_the_map_decode_exactly_between_texel_centres() {
+    fn linear_coefficients_decode_exactly_between_texel_centres() {
         for encoding in [Encoding::Fm16, Encoding::F16, Encoding::Fm8, Encoding::F4] {
             let map = ramp(encoding, 64, 48);
             for grid in [DVec2::new(10.0, 20.0), DVec2::new(33.25, 7.5), DVec2::new(50.0, 40.0)] {

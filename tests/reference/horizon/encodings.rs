@@ -80,7 +80,7 @@ fn fourier_maps_hold_the_words_of_the_paper() {
 
 /// Max (1988): elevations at fixed azimuths, linear between them.
 #[test]
-fn sampled_maps_hold_the_horizon_at_their_azimuths_and_lines_between() {
+fn sampled_maps_hold_their_azimuths_and_lines_between() {
     for encoding in [Encoding::Raw8, Encoding::Raw12, Encoding::Raw16] {
         let map = encoded(encoding);
         let count = encoding.samples();

@@ -45,7 +45,7 @@ fn assert_traced(name: &str, errors: &ErrorStatistics) {
 }
 
 #[test]
-fn the_device_meets_the_trace_on_cratered_terrain_with_gaps_masts_and_ends_of_the_search() {
+fn the_device_meets_the_trace_on_cratered_terrain() {
     if gpu().is_none() {
         return;
     }

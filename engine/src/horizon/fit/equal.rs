@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coefficient_errs_by_more_than_half_a_step_and_the_dead_zone() {
+    fn coefficients_err_by_half_a_step_and_the_dead_zone_at_most() {
         for (size_rad, largest_step_rad) in [(0.3, STEP_RAD), (30.0, 64.0 * STEP_RAD)] {
             let group = group(size_rad);
             let (levels, fields) = pyramid(Encoding::Q, std::slice::from_ref(&group));
