@@ -37,7 +37,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(20);
 /// Pixels on which a tile measures its own error.
 pub const MEASURED_PIXELS: usize = 64;
 
-/// Told how many of how many azimuths are done.
+/// Reports progress: azimuths done, and all.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// The horizon map asked for from its tile in `directory`, made first where there is no such tile, or a damaged one.
