@@ -149,7 +149,7 @@ pub fn coefficients(encoding: Encoding, fields: &[Vec<BitField>]) -> Vec<Coeffic
     let real =
         |real: usize| if real.is_multiple_of(2) { CoefficientName::A(real / 2) } else { CoefficientName::B(real / 2) };
     let of = encoding.samples();
-    let of_page = |(level, page): (usize, super::pack::Page)| match encoding.family() {
+    let of_page = |(level, page): (usize, super::pack::PageLayout)| match encoding.family() {
         Family::Fourier => halves(level, page.scale, page.words, &complex),
         Family::Sampled => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
         Family::Quantised => {

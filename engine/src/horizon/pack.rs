@@ -29,7 +29,7 @@ pub mod texels;
 use glam::DVec2;
 
 pub use bit_fields::BitField;
-pub use encoding::{Encoding, Family, Page};
+pub use encoding::{Encoding, Family, PageLayout};
 pub use half::{pack, unpack};
 pub use raw::Sampled;
 pub use texels::Texels;
@@ -105,7 +105,8 @@ impl HorizonMap {
     pub fn has_fields(&self) -> bool {
         let pages = self.encoding.pages();
         let reals = 2 * (self.encoding.harmonics() + 1);
-        let fits = |page: &Page, fields: &Vec<BitField>| fields.iter().all(|field| field.lies_in(page.words, reals));
+        let fits =
+            |page: &PageLayout, fields: &Vec<BitField>| fields.iter().all(|field| field.lies_in(page.words, reals));
         match self.encoding.family() {
             Family::Fourier | Family::Sampled => self.fields.is_empty(),
             Family::Quantised => {
@@ -230,7 +231,7 @@ pub(super) mod tests {
             let count = places.len() - usize::from(has_gain && word == 0);
             (0..count).map(move |index| field(word, index, places[index].0, places[index].1))
         };
-        let of_page = |page: &Page| (0..page.words).flat_map(of_word).collect();
+        let of_page = |page: &PageLayout| (0..page.words).flat_map(of_word).collect();
         let fields = if is_fields { pages.iter().map(of_page).collect() } else { Vec::new() };
         let mut bounds = Bounds::unknown(columns, rows);
         bounds.codes.iter_mut().for_each(|code| *code = (next().abs() * 255.0) as u8);

@@ -20,7 +20,7 @@ use tiff::tags::Tag;
 
 use super::bound::Bounds;
 use super::coefficients::{Coefficient, coefficients};
-use super::pack::{BitField, Encoding, Family, HorizonMap, Page as Layout, Texels};
+use super::pack::{BitField, Encoding, Family, HorizonMap, PageLayout, Texels};
 use super::statistics::TileErrors;
 
 /// Rows of a page that a reader unpacks at once.
@@ -145,7 +145,7 @@ pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, erro
     let codes = codes.filter(|codes| codes.len() == columns * rows && bound.header.name == BOUND)?;
     let layouts = encoding.pages();
     let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
-    let fields_of = |layout: &Layout| {
+    let fields_of = |layout: &PageLayout| {
         let of_scale = stored.iter().filter(|page| page.header.scale == layout.scale);
         of_scale.filter_map(|page| page.header.field).collect::<Vec<BitField>>()
     };

@@ -31,7 +31,7 @@ use super::residual::{Means, Residual, box_means, sharpened};
 use super::texels::{Choice, quantise};
 use crate::horizon::pack::bit_fields::gain as factor;
 use crate::horizon::pack::encoding::GAIN_BITS;
-use crate::horizon::pack::{BitField, Encoding, Page, Texels};
+use crate::horizon::pack::{BitField, Encoding, PageLayout, Texels};
 
 /// Counts changes of what is chosen here: part of a tile's key.
 pub const REVISION: u8 = 5;
@@ -48,7 +48,7 @@ const LEAST_WEIGHT: f64 = 1e-3;
 pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<BitField>>) {
     let pages = encoding.pages();
     let reals = sums.iter().map(|group| group.reals).sum();
-    let coarse = |page: &Page| sums.iter().map(|group| sharpened(&box_means(group, page.scale))).collect();
+    let coarse = |page: &PageLayout| sums.iter().map(|group| sharpened(&box_means(group, page.scale))).collect();
     let coarse: Vec<Vec<Group>> = pages[1..].iter().map(coarse).collect();
     let means = |page: usize| if page == 0 { sums } else { &coarse[page - 1] };
     let mut weights = vec![base_weights(reals); pages.len()];
@@ -196,7 +196,7 @@ mod tests {
         let (levels, fields) = pyramid(Encoding::W21, std::slice::from_ref(&group));
         let pages = Encoding::W21.pages();
         let decoded = |real: usize, column: usize, row: usize| {
-            let page = |((level, page), fields): ((&Texels, &Page), &Vec<BitField>)| {
+            let page = |((level, page), fields): ((&Texels, &PageLayout), &Vec<BitField>)| {
                 let Some(field) = fields.iter().find(|field| field.real == real) else { return 0.0 };
                 let value = |column: usize, row: usize| {
                     let texel = level.texel(column, row);

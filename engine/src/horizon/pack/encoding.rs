@@ -86,7 +86,7 @@ pub enum Family {
 
 /// A page of texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Page {
+pub struct PageLayout {
     /// Pixels per texel side.
     pub scale: usize,
     /// 32-bit words per texel.
@@ -156,12 +156,12 @@ impl Encoding {
     }
 
     /// All pages, the finest first.
-    pub fn pages(self) -> Vec<Page> {
+    pub fn pages(self) -> Vec<PageLayout> {
         let halves = |pages: usize, scale: fn(usize) -> usize| {
-            (0..pages).map(|page| Page { scale: scale(page), words: 4 }).collect()
+            (0..pages).map(|page| PageLayout { scale: scale(page), words: 4 }).collect()
         };
-        let pyramid = |words: usize| [1, 2, 4, 8].map(|scale| Page { scale, words }).to_vec();
-        let samples = |count: usize| vec![Page { scale: 1, words: count / 2 }];
+        let pyramid = |words: usize| [1, 2, 4, 8].map(|scale| PageLayout { scale, words }).to_vec();
+        let samples = |count: usize| vec![PageLayout { scale: 1, words: count / 2 }];
         match self {
             Self::Fm4 => halves(1, |page| 1 << page),
             Self::Fm8 => halves(2, |page| 1 << page),
