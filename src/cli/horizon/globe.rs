@@ -11,7 +11,7 @@ use serde_json::{Value as Json, json};
 use super::build::{in_degrees, row};
 use super::levels::{self, BodyArgs, Values};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, say};
+use crate::cli::{Outcome, say, with_flag};
 
 /// Build the horizons of a whole body, tile by tile, from a model of any size.
 ///
@@ -93,7 +93,7 @@ pub fn run(args: Args) -> Outcome {
         checks: args.check,
     };
     let start = std::time::Instant::now();
-    let report = globe::build(&args.body.body()?, &options, &bars)?;
+    let report = globe::build(&args.body.body()?, &options, &bars).map_err(with_flag)?;
     bars.clear();
     let seconds = start.elapsed().as_secs_f64();
     let index = &report.index;
