@@ -45,7 +45,8 @@ pub struct Args {
     /// Height of the observer above the ground, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     observer_height: f64,
-    /// How the series are stored
+    /// How skylines are stored: fm16, a Fourier pyramid of 16 coefficients; w21, a quantised one of as many bytes that errs
+    /// less; q, quantised in equal steps, for small files
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
