@@ -35,7 +35,11 @@ fn main() -> Result<(), Error> {
         let frame = session.render(&view)?;
         let radiance = frame.plane(Quantity::Radiance).expect("asked for");
         let mean = radiance.values.iter().sum::<f32>() / radiance.values.len() as f32;
-        println!("image {image}: {:.0} m from the target, mean radiance {mean:.3} {}", place.distance_m(target), Quantity::Radiance.unit());
+        println!(
+            "image {image}: {:.0} m from the target, mean radiance {mean:.3} {}",
+            place.distance_m(target),
+            Quantity::Radiance.unit()
+        );
         write_exr(folder.join(format!("moving_camera_{image}.exr")), &frame)?;
     }
     Ok(())

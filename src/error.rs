@@ -5,7 +5,7 @@ use perilune_engine::ephemeris::EphemerisError;
 use perilune_engine::gpu::GpuError;
 use perilune_engine::photometry::PhotometryError;
 use perilune_engine::render::RenderError;
-use perilune_engine::scenario::{Problem, ScenarioError};
+use perilune_engine::scenario::ScenarioError;
 use perilune_engine::{horizon, pipeline, raster};
 
 /// A failure: its kind for programs, its text for people. The text says what was got and what is allowed.
@@ -40,6 +40,19 @@ pub enum ErrorKind {
     Run,
 }
 
+/// One thing that is wrong with a scenario's text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Line of the text, counted from 1.
+    pub line: usize,
+    /// Column of the text, counted from 1.
+    pub column: usize,
+    /// The key, as in `trajectory.points[2].t_s`; empty for the whole text.
+    pub key: String,
+    /// What was got, and what is allowed.
+    pub message: String,
+}
+
 impl Error {
     /// What the failure is about.
     pub fn kind(&self) -> ErrorKind {
@@ -47,8 +60,15 @@ impl Error {
     }
 
     /// What is wrong with a scenario's text, in the order of its lines; empty for all other failures.
-    pub fn problems(&self) -> &[Problem] {
-        self.source.downcast_ref::<ScenarioError>().map_or(&[], ScenarioError::problems)
+    pub fn problems(&self) -> Vec<Problem> {
+        let found = self.source.downcast_ref::<ScenarioError>().map_or(&[][..], ScenarioError::problems);
+        let told = found.iter().map(|problem| Problem {
+            line: problem.place.line,
+            column: problem.place.column,
+            key: problem.key.clone(),
+            message: problem.fault.to_string(),
+        });
+        told.collect()
     }
 
     pub(crate) fn new(kind: ErrorKind, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {

@@ -12,5 +12,6 @@ use crate::{Error, ErrorKind};
 /// # Errors
 /// [`ErrorKind::Run`] for a file that cannot be written; nothing is left of it then.
 pub fn write_exr(path: impl AsRef<Path>, image: &Image) -> Result<(), Error> {
-    dataset::write_exr(path.as_ref(), image, &serde_json::Value::Null).map_err(|error| Error::new(ErrorKind::Run, error))
+    dataset::write_exr(path.as_ref(), image, &serde_json::Value::Null)
+        .map_err(|error| Error::new(ErrorKind::Run, error))
 }

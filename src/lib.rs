@@ -55,15 +55,15 @@ mod scenario;
 mod scene;
 
 pub use ephemeris::{Ephemeris, SkySource};
-pub use error::{Error, ErrorKind};
+pub use error::{Error, ErrorKind, Problem};
 pub use glam::{DVec2, DVec3};
 pub use horizons::{HorizonSettings, HorizonTile, Skyline};
 pub use image::write_exr;
 pub use scenario::{Scenario, Sequence};
 pub use scene::{Dem, Scene, Session};
 
-pub use perilune_engine::camera::{Camera, Correction, Detector, Distortion, Pose, Vignetting};
 pub use hifitime::Unit;
+pub use perilune_engine::camera::{Camera, Correction, Detector, Distortion, Pose, Vignetting};
 pub use perilune_engine::ephemeris::{Epoch, parse_epoch};
 pub use perilune_engine::geometry::{
     Body, BodyFixed, Camera as CameraFrame, Direction, Frame, Geodetic, Icrf, Local, Map, Position, Rotation,
@@ -72,4 +72,4 @@ pub use perilune_engine::horizon::{Encoding, ErrorStatistics, Method as HorizonM
 pub use perilune_engine::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance};
 pub use perilune_engine::pipeline::{AdapterChoice as Adapter, Progress, Report as RunReport, Silent};
 pub use perilune_engine::render::{Image, Light, Plane, Quantity, View};
-pub use perilune_engine::scenario::{Problem, SHIPPED as SHIPPED_SCENARIOS, ShippedScenario};
+pub use perilune_engine::scenario::{SHIPPED as SHIPPED_SCENARIOS, ShippedScenario};

@@ -6,6 +6,8 @@ mod cli;
 mod compare;
 mod conformance;
 mod docs;
+mod examples;
+mod face;
 mod invariants;
 mod readers;
 mod reference;

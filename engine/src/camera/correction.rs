@@ -13,6 +13,7 @@
 //! # References
 //! ISIS camera models (`ApolloMetricDistortionMap`, `LroNarrowAngleDistortionMap`); CSM ISD keys `radial`, `lrolrocnac`,
 //! `kaguyalism`; Kaguya's instrument kernels SEL_TC_V01.TI and SEL_MI_V01.TI.
+#![warn(missing_docs)]
 
 use glam::DVec2;
 
@@ -40,6 +41,7 @@ impl Correction {
         Self::Radial([0.0, k1 * f2, k2 * f2 * f2, k3 * f2 * f2 * f2])
     }
 
+    /// The ideal point of a measured one.
     pub fn ideal(&self, measured: DVec2) -> DVec2 {
         match *self {
             Self::Radial([k0, k1, k2, k3]) => {

@@ -21,6 +21,7 @@
 //!
 //! # References
 //! EMVA Standard 1288, release 4.0 linear.
+#![warn(missing_docs)]
 
 use std::f64::consts::TAU;
 
@@ -35,17 +36,25 @@ use crate::quantity::{PLANCK_CONSTANT_J_S, SPEED_OF_LIGHT_M_S};
 /// A detector and its exposure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detector {
+    /// How long light is collected.
     pub exposure_s: f64,
+    /// Distance of neighbouring pixels on the detector.
     pub pixel_pitch_m: f64,
+    /// Wavelength of the photons that are counted.
     pub wavelength_m: f64,
     /// Electrons per photon.
     pub quantum_efficiency: f64,
+    /// Dark current in electrons a pixel and second.
     pub dark_current_e_s: f64,
+    /// Standard deviation of the read noise, in electrons.
     pub read_noise_e: f64,
+    /// The most electrons that a pixel holds.
     pub full_well_e: f64,
     /// DN per electron.
     pub gain_dn_e: f64,
+    /// Digital number of no electrons.
     pub offset_dn: f64,
+    /// Bits of a digital number.
     pub bits: u32,
     /// Standard deviation of the pixels' gains, relative.
     pub prnu: f64,
@@ -53,6 +62,7 @@ pub struct Detector {
     pub dsnu_e: f64,
     /// Whether full wells spill into their column.
     pub blooming: bool,
+    /// Seed of the noise and the fixed pattern.
     pub seed: u64,
 }
 

@@ -11,6 +11,7 @@
 //!
 //! # References
 //! Brown (1966), Photogrammetric Engineering 32, 444; OpenCV, module calib3d.
+#![warn(missing_docs)]
 
 use glam::{DMat2, DVec2};
 
@@ -63,6 +64,7 @@ impl Distortion {
         inside
     }
 
+    /// The distorted point of an ideal one.
     pub fn distort(&self, p: DVec2) -> DVec2 {
         let square = p.length_squared();
         let (factor, _) = self.factor(square);

@@ -11,6 +11,7 @@
 //! # Assumptions
 //! - No skew. Objects are far away, the stop is in the lens.
 //! - A pixel's edges are great circles between its corners.
+#![warn(missing_docs)]
 
 use std::f64::consts::PI;
 
@@ -22,12 +23,15 @@ use crate::geometry::{self, Direction};
 /// A camera's geometry and lens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
+    /// Pixels of a row.
     pub columns: u32,
+    /// Rows of the image.
     pub rows: u32,
     /// Focal length over pixel pitch.
     pub focal_px: DVec2,
     /// Where the boresight meets the image.
     pub principal_px: DVec2,
+    /// Focal length over the diameter of the pupil.
     pub f_number: f64,
     /// Share of the light that passes the lens.
     pub transmission: f64,
@@ -86,6 +90,7 @@ impl Camera {
         })
     }
 
+    /// A pinhole with a focal length and square pixels of a pitch.
     pub fn from_focal_length(
         columns: u32,
         rows: u32,
@@ -103,10 +108,12 @@ impl Camera {
         Self::pinhole(columns, rows, DVec2::splat(f64::from(columns) / 2.0 / (width_rad / 2.0).tan()))
     }
 
+    /// With the boresight at other image coordinates than the middle.
     pub fn with_principal_point(self, principal_px: DVec2) -> Self {
         Self { principal_px, ..self }
     }
 
+    /// With the f-number and the transmission of a lens.
     pub fn with_lens(self, f_number: f64, transmission: f64) -> Result<Self, CameraError> {
         check("camera f-number", f_number, 0.5..=1e3, "[0.5, 1000]")?;
         check("camera transmission", transmission, 0.0..=1.0, "[0, 1]")?;

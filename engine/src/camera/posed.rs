@@ -6,6 +6,7 @@
 //!
 //! # Assumptions
 //! The pose stands still during an exposure of a line or framelet.
+#![warn(missing_docs)]
 
 use glam::DVec2;
 
@@ -15,7 +16,9 @@ use crate::geometry::{self, BodyFixed, Direction, Position, Rotation};
 /// Where a camera is, and how it is turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
+    /// Position of the pupil.
     pub position: Position<BodyFixed>,
+    /// Turns body-fixed components into the camera's: +x right, +y down, +z along the boresight.
     pub camera_from_body: Rotation<geometry::Camera, BodyFixed>,
 }
 
@@ -48,15 +51,19 @@ impl Pose {
 /// An image's camera: the optics of one exposure, and the poses of all, the image's top first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosedCamera {
+    /// Optics of one exposure: a line, a framelet, or the whole image.
     pub optics: Camera,
+    /// Poses of the exposures, the image's top first.
     pub poses: Vec<Pose>,
 }
 
 impl PosedCamera {
+    /// Pixels of a row.
     pub fn columns(&self) -> usize {
         self.optics.columns as usize
     }
 
+    /// Rows of the whole image.
     pub fn rows(&self) -> usize {
         self.optics.rows as usize * self.poses.len()
     }

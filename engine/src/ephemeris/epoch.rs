@@ -3,6 +3,7 @@
 //! An `Epoch` read here counts SI seconds (it is kept in TAI), so that adding a duration crosses a leap second
 //! rightly and `23:59:60` is an instant of its own. `hifitime` alone makes it the second before, and skips a
 //! second when a duration is added to an epoch kept in UTC.
+#![warn(missing_docs)]
 
 use hifitime::{Duration, Epoch, TimeScale, Unit};
 

@@ -5,6 +5,7 @@
 //!
 //! # References
 //! Bowring (1976), Survey Review 23, 323, for the inverse on a spheroid.
+#![warn(missing_docs)]
 
 use glam::DVec3;
 
@@ -13,22 +14,29 @@ use super::{BodyFixed, Direction, Local, Position, Rotation};
 /// A body as a spheroid about its rotation axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
+    /// Its name, in lower case.
     pub name: String,
     /// SPICE id of the body, as in 301 for the Moon.
     pub naif_id: i32,
+    /// Radius of the spheroid's equator.
     pub equatorial_radius_m: f64,
+    /// From the spheroid's middle to its poles.
     pub polar_radius_m: f64,
 }
 
 /// A point by latitude, east longitude and height above the spheroid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geodetic {
+    /// Planetographic: the angle of the spheroid's normal with the equator's plane, north positive.
     pub latitude_rad: f64,
+    /// Longitude, east positive.
     pub longitude_east_rad: f64,
+    /// Along the spheroid's normal.
     pub height_m: f64,
 }
 
 impl Geodetic {
+    /// The point at a latitude and an east longitude in degrees.
     pub fn from_degrees(latitude_deg: f64, longitude_east_deg: f64, height_m: f64) -> Self {
         Self { latitude_rad: latitude_deg.to_radians(), longitude_east_rad: longitude_east_deg.to_radians(), height_m }
     }
@@ -41,6 +49,7 @@ impl Body {
         Self { name: "moon".into(), naif_id: 301, equatorial_radius_m: radius_m, polar_radius_m: radius_m }
     }
 
+    /// Whether both radii are the same.
     pub fn is_sphere(&self) -> bool {
         self.equatorial_radius_m == self.polar_radius_m
     }
@@ -62,6 +71,7 @@ impl Body {
         (meridian_m * normal_m).sqrt()
     }
 
+    /// The position of a point by latitude, longitude and height.
     pub fn position_from_geodetic(&self, point: Geodetic) -> Position<BodyFixed> {
         let (sin_lat, cos_lat) = point.latitude_rad.sin_cos();
         let (sin_lon, cos_lon) = point.longitude_east_rad.sin_cos();
@@ -71,6 +81,7 @@ impl Body {
         Position::from_m(DVec3::new(from_axis_m * cos_lon, from_axis_m * sin_lon, z_m))
     }
 
+    /// The latitude, longitude and height of a position.
     pub fn geodetic_from_position(&self, position: Position<BodyFixed>) -> Geodetic {
         let p = position.vector_m();
         let from_axis_m = p.x.hypot(p.y);

@@ -2,6 +2,7 @@
 //!
 //! A [`Position`] is a vector in metres from the origin of its frame, a [`Direction`] has length 1,
 //! and a [`Rotation<To, From>`] turns components in `From` into components in `To`.
+#![warn(missing_docs)]
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -42,10 +43,12 @@ pub struct Position<F> {
 }
 
 impl<F: Frame> Position<F> {
+    /// The point with these coordinates in metres.
     pub fn from_m(vector_m: DVec3) -> Self {
         Self { vector_m, frame: PhantomData }
     }
 
+    /// Its coordinates in metres.
     pub fn vector_m(self) -> DVec3 {
         self.vector_m
     }
@@ -74,6 +77,7 @@ impl<F: Frame> Direction<F> {
         vector.try_normalize().map(|unit| Self { unit, frame: PhantomData })
     }
 
+    /// Its components; their squares sum to 1.
     pub fn unit(self) -> DVec3 {
         self.unit
     }
@@ -103,6 +107,7 @@ impl<To: Frame, From: Frame> Rotation<To, From> {
         Self::from_matrix(DMat3::from_cols(x, y, z).transpose())
     }
 
+    /// The matrix `M` with `M * v_from = v_to`.
     pub fn matrix(self) -> DMat3 {
         self.matrix
     }
@@ -112,6 +117,7 @@ impl<To: Frame, From: Frame> Rotation<To, From> {
         DQuat::from_mat3(&self.matrix).normalize()
     }
 
+    /// The rotation back.
     pub fn inverse(self) -> Rotation<From, To> {
         Rotation { matrix: self.matrix.transpose(), frames: PhantomData }
     }

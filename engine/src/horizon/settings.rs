@@ -1,4 +1,5 @@
 //! What a horizon is asked for.
+#![warn(missing_docs)]
 
 use std::f64::consts::TAU;
 
@@ -21,6 +22,7 @@ pub enum Method {
 }
 
 impl Method {
+    /// Whether it is the one that is taken where none is named.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }

@@ -1,15 +1,22 @@
 //! How wrong a tile's horizons are, as its header states it.
+#![warn(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
 /// Quantiles of absolute errors over a sample, in radians.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorStatistics {
+    /// Number of errors.
     pub samples: usize,
+    /// Root of their mean square.
     pub rms_rad: f64,
+    /// Median of their sizes.
     pub p50_rad: f64,
+    /// 95 % are no larger.
     pub p95_rad: f64,
+    /// 99 % are no larger.
     pub p99_rad: f64,
+    /// The largest.
     pub max_rad: f64,
 }
 
@@ -41,11 +48,13 @@ fn short(value: f64) -> f64 {
 /// band, decoded, swept and traced elevations beyond it count as its ends: the errors are those that a light can show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileErrors {
+    /// Nodes that were traced.
     pub pixels: usize,
     /// Errors of the swept profiles, before compression.
     pub swept: ErrorStatistics,
     /// Errors of the series decoded from the tile.
     pub decoded: ErrorStatistics,
+    /// How the bounds of the nodes held.
     pub bound: BoundStatistics,
 }
 
@@ -61,5 +70,6 @@ pub struct BoundStatistics {
     pub rms_fraction: f64,
     /// Measured nodes, and samples of them, beyond their bound.
     pub nodes_beyond: usize,
+    /// Samples beyond the bound of their node.
     pub samples_beyond: usize,
 }

@@ -22,6 +22,7 @@
 //! # References
 //! Hapke (2012), Theory of Reflectance and Emittance Spectroscopy, 2nd ed.; Hapke (1984), Icarus 59, 41, for the
 //! roughness; Sato et al. (2014), JGR Planets 119, 1775, doi:10.1002/2013JE004580, for the Moon.
+#![warn(missing_docs)]
 
 use std::f64::consts::PI;
 
@@ -57,6 +58,7 @@ pub struct Hapke {
     pub mean_slope_rad: f64,
     /// `φ`, share of the volume that is grains; 0 makes `K = 1`.
     pub filling_factor: f64,
+    /// How light that is scattered more than once is approximated.
     pub multiple_scattering: MultipleScattering,
     /// What multiplies the reflectance: ground brighter or darker than that of the set. 1 is the set's.
     pub scale: f64,

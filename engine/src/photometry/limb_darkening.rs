@@ -17,6 +17,7 @@
 //!
 //! # References
 //! Hestroffer & Magnan (1998), A&A 333, 338; Neckel & Labs (1994), Solar Physics 153, 91, doi:10.1007/BF00712494.
+#![warn(missing_docs)]
 
 use super::PhotometryError;
 
@@ -26,9 +27,15 @@ pub enum LimbDarkening {
     /// The same everywhere.
     Uniform,
     /// `μ^alpha`.
-    Power { alpha: f64 },
+    Power {
+        /// The exponent.
+        alpha: f64,
+    },
     /// `Σ Aₖ μᵏ`, 1 in the centre.
-    Polynomial { coefficients: [f64; 6] },
+    Polynomial {
+        /// `A₀` to `A₅`.
+        coefficients: [f64; 6],
+    },
 }
 
 impl LimbDarkening {

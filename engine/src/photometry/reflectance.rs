@@ -32,6 +32,7 @@
 //! McEwen (1996), LPSC XXVII, 841, for the lunar-Lambert weight (as in ISIS `LunarLambertMcEwen`);
 //! Minnaert (1941), ApJ 93, 403; Shkuratov et al. (2011), PSS 59, 1326, doi:10.1016/j.pss.2011.06.011, for Akimov's law
 //! with and without its parameter.
+#![warn(missing_docs)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -41,24 +42,36 @@ use super::{Hapke, MultipleScattering, PhotometryError};
 /// A law of reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reflectance {
+    /// The same radiance towards all sides.
     Lambert {
+        /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
     },
+    /// Single scattering by a dark, rough layer.
     LommelSeeliger {
+        /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
     },
+    /// Lommel-Seeliger and Lambert, mixed by the phase angle.
     LunarLambert {
+        /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
     },
+    /// Minnaert's law.
     Minnaert {
+        /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
+        /// Minnaert's `k`.
         exponent: f64,
     },
     /// `smoothness` is Akimov's η: 1 is his parameterless law.
     Akimov {
+        /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
+        /// Akimov's `η`.
         smoothness: f64,
     },
+    /// Hapke's model.
     Hapke(Hapke),
 }
 
@@ -70,14 +83,23 @@ pub struct ReflectanceParameters {
     pub normal_albedo: f32,
     /// Minnaert's `k`, or Akimov's `η`.
     pub exponent: f32,
+    /// Hapke's `w`.
     pub single_scattering_albedo: f32,
+    /// Hapke's `b`.
     pub asymmetry: f32,
+    /// Hapke's `c`.
     pub backscatter: f32,
+    /// Hapke's `B_S0`.
     pub shadow_hiding_amplitude: f32,
+    /// Hapke's `h_S`.
     pub shadow_hiding_width: f32,
+    /// Hapke's `B_C0`.
     pub coherent_amplitude: f32,
+    /// Hapke's `h_C`.
     pub coherent_width: f32,
+    /// `tan θ̄`.
     pub mean_slope_tan: f32,
+    /// Hapke's `K`.
     pub porosity_factor: f32,
     /// The year of the function `H`: 1981 or 2002.
     pub multiple_scattering: f32,
@@ -172,6 +194,7 @@ impl Reflectance {
         ("REFLECTANCE_MODEL", model)
     }
 
+    /// The law's numbers as the shader reads them.
     pub fn parameters(&self) -> ReflectanceParameters {
         let none = ReflectanceParameters::default();
         match *self {

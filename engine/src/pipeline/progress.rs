@@ -1,4 +1,5 @@
 //! What long work tells while it goes on.
+#![warn(missing_docs)]
 
 /// Hears of stages and of the work done in them; the command line draws bars, tests listen in silence.
 pub trait Progress: Sync {

@@ -1,4 +1,5 @@
 //! The whole story: a scenario's terrain, horizons and views, its images, and the files of the dataset.
+#![warn(missing_docs)]
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -23,6 +24,7 @@ pub struct Options {
     pub exposures: Option<Range<usize>>,
     /// Keep what an earlier run of the same scenario finished.
     pub resume: bool,
+    /// Who renders.
     pub adapter: AdapterChoice,
 }
 
@@ -41,14 +43,19 @@ pub enum AdapterChoice {
 /// What a run did.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
+    /// The folder of the images.
     pub output: PathBuf,
+    /// Who rendered, on one line.
     pub adapter: String,
+    /// Exposures of the sequence.
     pub exposures: usize,
     /// Rendered in this run; the others were there.
     pub rendered: usize,
+    /// Where the time went.
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
     pub device_seconds: Option<f64>,
+    /// How long the stages of the images took.
     pub stages: Stages,
 }
 
@@ -61,15 +68,20 @@ pub struct Stages {
     pub planes: f64,
     /// Compression and hashes.
     pub encoding: f64,
+    /// Writing files.
     pub writing: f64,
 }
 
 /// Where the time went.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Seconds {
+    /// Kernels, terrain and poses.
     pub terrain: f64,
+    /// Horizons.
     pub horizons: f64,
+    /// All exposures, written.
     pub rendering: f64,
+    /// Previews and the manifest.
     pub writing_after: f64,
 }
 

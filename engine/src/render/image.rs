@@ -1,4 +1,5 @@
 //! Images as named planes, each with its quantity and unit.
+#![warn(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
@@ -90,6 +91,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All quantities, in the order in which records list them.
     pub const ALL: [Self; 40] = [
         Self::Radiance,
         Self::SpectralRadiance,
@@ -184,6 +186,7 @@ impl Quantity {
         matches!(self, Self::SpectralRadiance | Self::SpectralGroundIrradiance)
     }
 
+    /// The unit of its values; `1` for numbers without one.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Radiance => "W m-2 sr-1",
@@ -281,16 +284,22 @@ impl Quantity {
 /// One channel of an image, row by row from the top left. Pixels without a value are NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
+    /// What the values are.
     pub quantity: Quantity,
+    /// The channel's name in files.
     pub name: &'static str,
+    /// Row by row from the top left; NaN where there is no value.
     pub values: Vec<f32>,
 }
 
 /// Planes of equal size. Column 0, row 0 is the top left pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
+    /// Pixels of a row.
     pub columns: usize,
+    /// Rows of the image.
     pub rows: usize,
+    /// One for each channel of the quantities that were asked for.
     pub planes: Vec<Plane>,
 }
 

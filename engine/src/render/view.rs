@@ -1,4 +1,5 @@
 //! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
+#![warn(missing_docs)]
 
 use std::sync::Arc;
 
@@ -18,8 +19,11 @@ use super::{Bounce, Quantity};
 /// another reaches it.
 #[derive(Debug, Clone)]
 pub struct Scene {
+    /// The terrain.
     pub surface: Arc<Surface>,
+    /// How the ground along a ray is found.
     pub view_rays: ViewRays,
+    /// What casts shadows.
     pub shadows: Arc<Shadows>,
     /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
     pub refine: Option<crate::horizon::Settings>,
@@ -87,6 +91,7 @@ pub enum AlbedoRole {
 /// A sky of the same radiance everywhere. The ground reflects its light as if it came along the normal.
 #[derive(Debug)]
 pub struct Ambient {
+    /// Radiance of all of the sky.
     pub radiance_w_m2_sr: f64,
     /// Share of it that lights the facet at each node of each face's levels.
     pub shares: Vec<Vec<Vec<f32>>>,
@@ -153,12 +158,15 @@ impl Shadows {
 pub struct View {
     /// Counts the exposures of a sequence; the detector's noise depends on it.
     pub exposure: u64,
+    /// Position of the camera's pupil.
     pub camera_position: Position<BodyFixed>,
+    /// Turns body-fixed components into the camera's: +x right, +y down, +z along the boresight.
     pub camera_from_body: Rotation<Camera, BodyFixed>,
     /// The Sun first.
     pub lights: Vec<Light>,
     /// How the ground reflects.
     pub reflectance: Reflectance,
+    /// The lens and the pixels.
     pub optics: Optics,
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
@@ -175,6 +183,7 @@ pub struct View {
 pub struct Light {
     /// Apparent position: where the light seems to come from.
     pub position: Position<BodyFixed>,
+    /// Half the angle that the disc spans.
     pub angular_radius_rad: f64,
     /// Irradiance of a plane that faces it, in the camera's band.
     pub irradiance_w_m2: f64,
@@ -205,14 +214,17 @@ impl View {
         Self { camera_position: pose.position, camera_from_body: pose.camera_from_body, ..self.clone() }
     }
 
+    /// The camera's pose.
     pub fn pose(&self) -> Pose {
         Pose { position: self.camera_position, camera_from_body: self.camera_from_body }
     }
 
+    /// With another reflectance of the ground.
     pub fn with_reflectance(self, reflectance: Reflectance) -> Self {
         Self { reflectance, ..self }
     }
 
+    /// With another lens.
     pub fn with_optics(self, optics: Optics) -> Self {
         Self { optics, ..self }
     }
@@ -222,10 +234,12 @@ impl View {
         Self { samples_per_side, ..self }
     }
 
+    /// With a detector, for planes of digital numbers.
     pub fn with_detector(self, detector: Detector) -> Self {
         Self { detector: Some(detector), ..self }
     }
 
+    /// With other planes.
     pub fn with_quantities(self, quantities: impl Into<Vec<Quantity>>) -> Self {
         Self { quantities: quantities.into(), ..self }
     }
@@ -239,6 +253,7 @@ impl View {
 /// Rays that a renderer shall follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rays {
+    /// The lens and the pixels.
     pub optics: Optics,
     /// Samples along each side of a pixel, on a regular grid.
     pub samples_per_side: usize,
@@ -272,10 +287,12 @@ impl Scene {
         }
     }
 
+    /// With another method of shadows.
     pub fn with_shadows(self, shadows: Shadows) -> Self {
         Self { shadows: Arc::new(shadows), ..self }
     }
 
+    /// With another way of finding the ground along a ray.
     pub fn with_view_rays(self, view_rays: ViewRays) -> Self {
         Self { view_rays, ..self }
     }
@@ -290,14 +307,17 @@ impl Scene {
         Self { albedo: Some(Arc::new(albedo)), albedo_role: role, ..self }
     }
 
+    /// With light from all of the sky.
     pub fn with_ambient(self, ambient: Ambient) -> Self {
         Self { ambient: Some(Arc::new(ambient)), ..self }
     }
 
+    /// With sunlight that terrain reflects onto terrain.
     pub fn with_bounce(self, bounce: Bounce) -> Self {
         Self { bounce: Some(Arc::new(bounce)), ..self }
     }
 
+    /// With another law of the lights' discs.
     pub fn with_disk(self, disk: SolarDisk) -> Self {
         Self { disk: Arc::new(disk), ..self }
     }

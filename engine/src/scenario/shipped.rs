@@ -1,4 +1,5 @@
 //! The scenarios that the program carries.
+#![warn(missing_docs)]
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
 //! The encodings by name: what a page holds, at which resolution, in how many words.
+#![warn(missing_docs)]
 
 use std::fmt;
 use std::str::FromStr;
@@ -64,10 +65,12 @@ pub mod by_name {
 
     use super::Encoding;
 
+    /// Writes the encoding by its name.
     pub fn serialize<S: Serializer>(encoding: &Encoding, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(encoding.name())
     }
 
+    /// Reads an encoding from its name.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Encoding, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
     }
@@ -147,6 +150,7 @@ impl Encoding {
         }
     }
 
+    /// The kind of compression that it is.
     pub fn family(self) -> Family {
         match self {
             Self::Raw8 | Self::Raw12 | Self::Raw16 => Family::Sampled,
@@ -280,6 +284,7 @@ impl fmt::Display for Encoding {
 #[derive(Debug, thiserror::Error)]
 #[error("{got} is no encoding, allowed are {}", Encoding::SHIPPED.map(Encoding::name).join(", "))]
 pub struct UnknownEncoding {
+    /// What was written instead of a name.
     pub got: String,
 }
 
