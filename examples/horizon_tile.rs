@@ -15,7 +15,7 @@ const TERRAIN: &str = r#"(
     trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -89, longitude_deg: 0, height_m: 50000)]),
     pointing: (towards: Nadir),
     camera: (columns: 16, rows: 16, field_of_view_deg: 10),
-    exposures: At(["2026-11-24T00:00:00 UTC"]),
+    exposures: List(["2026-11-24T00:00:00 UTC"]),
 )"#;
 
 fn main() -> Result<(), Error> {

@@ -17,7 +17,7 @@ const SCENARIO: &str = r#"(
     ]),
     pointing: (towards: At(latitude_deg: -85, longitude_deg: 0, height_above: Terrain)),
     camera: (columns: 256, rows: 256, field_of_view_deg: 45),
-    exposures: At(["2026-11-24T00:00:00 UTC"]),
+    exposures: List(["2026-11-24T00:00:00 UTC"]),
     outputs: (planes: [radiance, sun_fraction, range]),
 )"#;
 
