@@ -8,11 +8,11 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+mod applicability;
 pub mod auto;
 mod camera_record;
 mod check;
 mod craters;
-mod domain;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
@@ -26,7 +26,6 @@ pub mod scene;
 mod sequence;
 pub mod shot;
 mod split;
-pub mod swath;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -47,9 +46,9 @@ use crate::labels::{Crater, Rim};
 use crate::raster;
 use crate::render::passes::Passes;
 use crate::render::reference::Reference;
-use crate::render::{Bounce, DeviceGround, Renderer, Scene, Shadows};
+use crate::render::{Bounce, DeviceGround, Renderer, Scene};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
-use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
+use crate::shadow::Ingredients;
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -150,7 +149,8 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    domain::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
+    scenario.notes.iter().for_each(|note| progress.say(note));
+    applicability::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
 
@@ -227,32 +227,19 @@ pub fn scene(
         }
         ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
-    let terrain = &ground.surface.terrain;
-    let shadows = match &choice.shadows {
-        scenario::Shadows::Auto { .. } | scenario::Shadows::Preset(_) => unreachable!("the choice has been made"),
-        scenario::Shadows::Off => Shadows::None,
-        scenario::Shadows::Traced => Shadows::Traced(settings),
-        scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
-        scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
-        &scenario::Shadows::Series { visibility, coefficients, at } => {
-            scene::series(maps(settings)?, visibility, coefficients, at)
-        }
-        &scenario::Shadows::Swath { azimuth_step_deg } => {
-            let folder = cache.join("horizon");
-            let swath = swath::swath(&ground.surface, exposures, azimuth_step_deg, &settings, &folder, progress)?;
-            Shadows::Towards(Box::new(swath))
-        }
-        &scenario::Shadows::Sweep { azimuth_step_deg } => {
-            Shadows::Towards(Box::new(Swept { settings, step_rad: azimuth_step_deg.to_radians() }))
-        }
-        &scenario::Shadows::SingleAzimuth { spacing, edge } => {
-            Shadows::Towards(Box::new(SingleAzimuth { settings, spacing, edge }))
-        }
-        scenario::Shadows::MaximumMipmaps { runs } => Shadows::Mipmaps(scene::mipmaps(terrain, runs)),
-        &scenario::Shadows::Multiscale { level_step, level_offset, swath_deg } => {
-            Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
-        }
-    };
+    let method = &choice.method;
+    let given = if method.needs_maps() { maps(settings)? } else { Vec::new() };
+    let shadows = method.prepare(Ingredients {
+        surface: &ground.surface,
+        settings,
+        lights: &auto::lights(exposures),
+        maps: given,
+        folder: &cache.join("horizon"),
+        progress: &|what, done, all| match done {
+            0 => progress.begin(what, all, "azimuths"),
+            _ => progress.at(done, all),
+        },
+    })?;
     let from_maps = matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })) || scenario.bounce.is_some();
     let made = if from_maps && shadows.maps().is_none() { maps(settings)? } else { Vec::new() };
     let horizons = shadows.maps().unwrap_or(&made[..]);
@@ -289,10 +276,11 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let gpu = open_adapter(options.adapter, scenario, progress)?;
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
-    let gpu = gpu.filter(|_| options.adapter != AdapterChoice::Auto || !is_traced(&prepared.shadows.shadows));
+    let gpu = gpu.filter(|_| options.adapter != AdapterChoice::Auto || prepared.shadows.method.runs_on_device());
     if let Some(gpu) = &gpu {
-        let horizons = prepared.shadows.shadows.need_maps().then_some(scenario.horizon.encoding);
-        DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
+        let terrain = &prepared.ground.surface.terrain;
+        DeviceGround::check(gpu, terrain)?;
+        prepared.shadows.method.check_device(gpu, terrain.seen_nodes(), scenario.horizon.encoding)?;
     }
     seconds.terrain = lap(start);
     let start = Instant::now();
@@ -363,8 +351,9 @@ fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error>
     Ok(range)
 }
 
-fn is_traced(shadows: &scenario::Shadows) -> bool {
-    *shadows == scenario::Shadows::Traced
+/// Whether the scenario names a method that only the reference renderer has.
+fn is_for_host(scenario: &Scenario) -> bool {
+    scenario.shadows.method().is_some_and(|method| !method.runs_on_device())
 }
 
 /// The device that renders; `None`: the reference renderer does.
@@ -372,8 +361,8 @@ fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progr
     match choice {
         AdapterChoice::Cpu => Ok(None),
         AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
-        AdapterChoice::Auto if is_traced(&scenario.shadows) => {
-            progress.say("traced shadows: rendering with the reference renderer on the CPU");
+        AdapterChoice::Auto if is_for_host(scenario) => {
+            progress.say("these shadows are the reference renderer's: rendering on the CPU");
             Ok(None)
         }
         AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {

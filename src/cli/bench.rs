@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use perilune::evaluate::illumination::percentages;
 use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
-use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
+use perilune::evaluate::shadows::methods::{allowed, slow, usual};
 use perilune::evaluate::{Report, dataset, frame, horizons, radiometry, shadows, sources, stability};
+use perilune::shadow::registry;
 
 use super::Outcome;
 use super::bars::Bars;
@@ -224,7 +225,7 @@ fn print(report: &Report, directory: &Path, json: bool) -> Outcome {
 }
 
 fn method(text: &str) -> Result<String, String> {
-    match text == "all" || known(text) {
+    match text == "all" || registry::named(text).is_some() {
         true => Ok(text.into()),
         false => Err(format!("want all, {}", allowed())),
     }
@@ -240,8 +241,8 @@ fn elevation(text: &str) -> Result<f64, String> {
 fn all_of(named: Vec<String>) -> Vec<String> {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     match &named[..] {
-        [] => names(&USUAL),
-        _ if named.iter().any(|name| name == "all") => names(&[&USUAL[..], &SLOW].concat()),
+        [] => names(&usual()),
+        _ if named.iter().any(|name| name == "all") => names(&[usual(), slow()].concat()),
         _ => named,
     }
 }

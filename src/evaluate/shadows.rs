@@ -30,10 +30,11 @@ use crate::pipeline::{self, Prepared, Progress};
 use crate::render::passes::Passes;
 use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
+use crate::render::{Quantity, Renderer, Samples, Scene, View};
 use crate::scenario::{self, Scenario};
+use crate::shadow::registry;
 use crate::terrain::{Ground, Hit};
-use methods::{Workshop, outside_domain};
+use methods::{MethodFactory, outside_domain};
 
 /// What to compare.
 #[derive(Debug, Clone)]
@@ -123,7 +124,7 @@ fn comparable(scenario: &Scenario, options: &Options) -> Result<Scenario, Error>
     if options.exposure > last {
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
     }
-    Ok(Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) })
+    Ok(Scenario { shadows: scenario::Shadows::default(), ..reduced(scenario, options.pixels) })
 }
 
 /// Renders an exposure with every method and compares.
@@ -133,13 +134,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
     let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();
-    let workshop = Workshop {
+    let factory = MethodFactory {
         prepared: &prepared,
         settings: traced_settings(&scenario),
         maps: scene.shadows.maps().unwrap_or_default().to_vec(),
         cache: &options.cache,
     };
-    let (truth, trials, left_out) = render_all(scene, &view, &workshop, &options.methods, progress)?;
+    let (truth, trials, left_out) = render_all(scene, &view, &factory, &options.methods, progress)?;
     let ground: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit).is_some()).collect();
     if !ground.contains(&true) {
         return Err(Error::NoGround { exposure: options.exposure });
@@ -214,14 +215,14 @@ struct Trial {
 fn render_all(
     mut scene: Scene,
     view: &View,
-    workshop: &Workshop,
+    factory: &MethodFactory,
     methods: &[String],
     progress: &dyn Progress,
 ) -> Result<(Trial, Vec<Trial>, Vec<String>), Error> {
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
     let (mut trials, mut left_out) = (Vec::new(), Vec::new());
     for name in methods {
-        scene.shadows = match workshop.shadows(name, progress) {
+        scene.shadows = match factory.method(name, progress) {
             Ok(shadows) => shadows,
             Err(error) => {
                 left_out.push(outside_domain(name, error)?);
@@ -234,7 +235,7 @@ fn render_all(
             None => trial(format!("{name}, reference"), &mut Reference, &scene, view)?,
         });
     }
-    scene.shadows = Shadows::Traced(workshop.settings);
+    scene.shadows = registry::reference(factory.settings);
     // Asks for the hits of the pixels' centres.
     scene.quantities = vec![Quantity::DemGap];
     progress.begin("rendering, traced", 1, "image");

@@ -34,7 +34,7 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
 fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_json::Value {
     let mut settings = serde_json::json!({
         "frame": prepared.frame.frame_name,
-        "shadows": format!("{:?}", prepared.shadows.shadows),
+        "shadows": prepared.shadows.method.spelling(),
         "ambient": scenario.ambient,
         "photometry": format!("{:?}", scene.reflectance),
         "limb_darkening": scene::disk_name(scenario),

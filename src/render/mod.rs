@@ -21,13 +21,12 @@ pub use image::{Image, Plane, Quantity};
 pub use imaging::{Imaging, Taken, Timing};
 pub use passes::DeviceGround;
 pub use planes::{LIT_SHARE, Samples};
-pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View, ViewRays};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, View, ViewRays};
 
 use std::time::Duration;
 
 use crate::gpu::GpuError;
-use crate::horizon::Encoding;
-use crate::shadow::{OutsideSwath, Skylines};
+use crate::shadow::{DeviceError, Skylines, UnpreparedLight};
 
 /// A way to render the views of one scene, one after the other. Whatever the scene holds may be kept from the first
 /// view on: another scene, or another number of lights, wants another renderer. Only the parameters of its reflectance law
@@ -64,17 +63,10 @@ pub trait Renderer {
 pub enum RenderError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error(
-        "{what} take {needed_mib} MiB, the adapter allows {allowed_mib} MiB; \
-         use a coarser posting or a smaller extent, or --adapter cpu"
-    )]
-    BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
-    #[error("traced shadows need the reference renderer; use --adapter cpu")]
-    TracedOnGpu,
-    #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
-    Encodings { first: Encoding, other: Encoding },
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
     TooManyLights { got: usize, allowed: usize },
     #[error(transparent)]
-    OutsideSwath(#[from] OutsideSwath),
+    UnpreparedLight(#[from] UnpreparedLight),
 }

@@ -17,7 +17,6 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
-pub use skylines::SHADER as BAKE_SHADER;
 pub use starts::SHADER as MESH_SHADER;
 pub use upload::DeviceGround;
 
@@ -28,24 +27,23 @@ use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, ViewRays, reference, refine};
+use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, View, ViewRays, reference, refine};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
-use crate::shadow::{At, Lighting, OutsideSwath, Skylines};
+use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
+use crate::shadow::{Skylines, UnpreparedLight};
 use crate::terrain::{Face, Ground, Hit};
 
-/// The pass, as one text: declarations may come in any order.
+/// The pass but for the shadow method's part ([`DevicePart::wgsl`]): declarations may come in any order.
 pub const SHADER: &str = concat!(
     include_str!("passes.wgsl"),
-    include_str!("texels.wgsl"),
     include_str!("ray_window.wgsl"),
     include_str!("starts.wgsl"),
     include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
-    include_str!("../shadow/mipmaps.wgsl"),
-    include_str!("../shadow/visibility.wgsl"),
+    include_str!("../terrain/azimuth_ratio.wgsl"),
 );
 
 /// Pixels of one workgroup, as in the shader.
@@ -68,6 +66,9 @@ struct Prepared {
     tables: Vec<Table>,
     disk_tables: Buffer,
     ground: DeviceGround,
+    /// What the shadow method's WGSL reads, and where each level lies in it.
+    method_buffers: Vec<Buffer>,
+    method_texels: Vec<LevelTexels>,
     skylines: Option<DeviceSkylines>,
     /// Where rays start that are not cast exactly from the camera.
     mesh: Option<DeviceMesh>,
@@ -116,7 +117,7 @@ impl Renderer for Passes<'_> {
 
     fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
         let kept = self.prepared.as_mut().and_then(|prepared| prepared.skylines.as_mut());
-        match kept.filter(|_| scene.shadows.towards().is_some()) {
+        match kept.filter(|_| scene.shadows.skylines().is_some()) {
             Some(kept) => kept.on_host(self.gpu, scene),
             None => Ok(Skylines::default()),
         }
@@ -139,13 +140,15 @@ impl Renderer for Passes<'_> {
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if rays.centres { prepared.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        refine::settle(scene, rays, view, diffuse.as_ref(), &mut samples);
+        refine::trace_uncertain(scene, rays, view, diffuse.as_ref(), &mut samples);
         Ok(samples)
     }
 }
 
 impl Prepared {
     fn new(gpu: &Gpu, scene: &Scene, view: &View) -> Result<Self, RenderError> {
+        let DevicePart { wgsl, constants: of_method, buffers, texels, fields } =
+            scene.shadows.device(gpu, &scene.surface, &scene.disk)?;
         let ground = DeviceGround::new(gpu, scene)?;
         let mut constants = vec![
             ("FACES", scene.surface.terrain.faces.len() as f64),
@@ -158,35 +161,16 @@ impl Prepared {
             scene.reflectance.constant(),
         ];
         constants.extend(scene.disk.constants());
-        let skylines = match scene.shadows.are_found_at_nodes() {
-            true => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
-            false => None,
-        };
+        let new = |fields| DeviceSkylines::new(gpu, fields, &ground, view.lights.len());
+        let skylines = fields.map(new).transpose()?;
         constants.extend(ground.constants);
-        // Fields take one page, whatever the horizon maps that they come from take.
-        constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
-        let source = match &scene.shadows {
-            Shadows::None | Shadows::Traced(_) => 0,
-            Shadows::Fourier(_) => 1,
-            Shadows::Baked(_) | Shadows::Towards(_) => 2,
-            Shadows::Mipmaps(method) => {
-                constants.extend(method.constants());
-                3
-            }
-            Shadows::Lighting(Lighting { at: At::Nodes, .. }) => 5,
-            Shadows::Lighting(lighting) => {
-                constants.extend(lighting.visibility.constants());
-                4
-            }
-        };
-        constants.push(("SKYLINES", f64::from(source)));
+        constants.extend(of_method);
         let mesh = match scene.view_rays {
             ViewRays::Exact => None,
             ViewRays::Hybrid { mesh_cells, .. } => Some(DeviceMesh::new(gpu, scene, mesh_cells as usize)?),
         };
         constants.push(("STEPS", f64::from(scene.view_rays.steps())));
-        constants.extend(ground.encoding.constants());
-        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &wgsl].concat();
         Ok(Self {
             shader,
             constants,
@@ -194,15 +178,17 @@ impl Prepared {
             tables: Vec::new(),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
+            method_buffers: buffers,
+            method_texels: texels,
             skylines,
             mesh,
         })
     }
 
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
-    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, OutsideSwath> {
+    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, UnpreparedLight> {
         match &mut self.skylines {
-            Some(skylines) => skylines.found_on_host(scene, &view.held_lights()),
+            Some(skylines) => skylines.found_on_host(scene, &view.quantized_lights()),
             None => Ok(Skylines::default()),
         }
     }
@@ -253,18 +239,20 @@ impl Prepared {
         let table = self.table(gpu, rays)?;
         let bounced = diffuse.filter(|_| scene.bounce.is_some());
         let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
-        let held = view.held_lights();
-        let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &held)).transpose()?;
+        let lights_on_raster = view.quantized_lights();
+        let finding =
+            self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &lights_on_raster)).transpose()?;
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
         let placed = |(index, level): (usize, &PackedLevel)| {
             let centred = level.centred(scene, view);
-            self.skylines.as_ref().map_or(centred, |skylines| skylines.placed(centred, index))
+            let placed = self.method_texels.get(index).map_or(centred, |texels| centred.with_texels(texels));
+            self.skylines.as_ref().map_or(placed, |skylines| skylines.placed(placed, index))
         };
         let levels: Vec<MapLevel> = self.ground.levels.iter().enumerate().map(placed).collect();
-        let texels = &self.ground.texels;
-        let first = self.skylines.as_ref().and_then(DeviceSkylines::buffer).unwrap_or(&texels[0]);
+        let fields = self.skylines.as_ref().and_then(DeviceSkylines::buffer);
+        let of_method = fields.into_iter().chain(&self.method_buffers);
         let lights = lights(scene, view);
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
@@ -276,17 +264,13 @@ impl Prepared {
             Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
             None => Starts::at_the_camera(gpu),
         };
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), finding.unwrap_or(Some(0.0)));
         let pipeline = &self.programs[table.program].pipeline;
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
-            let buffers = [
-                first,
-                &texels[1],
-                &texels[2],
-                &texels[3],
+            let own = [
                 &parameters,
                 &faces,
                 &levels,
@@ -305,7 +289,8 @@ impl Prepared {
                 &starts.window,
                 &starts.depths,
             ];
-            let spent = gpu.run(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
+            let buffers = (0..).zip(of_method.clone()).chain((BINDINGS as u32..).zip(own)).collect::<Vec<_>>();
+            let spent = gpu.run_bound(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
             seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
             if rays.centres {

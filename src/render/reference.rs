@@ -15,14 +15,12 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::planes::{Radiometry, Samples, normal};
-use super::refine::Settled;
-use super::{Diffuse, Light, Rays, RenderError, Renderer, Scene, Shadows, View};
+use super::refine::TracedWhereOpen;
+use super::{Diffuse, Light, Rays, RenderError, Renderer, Scene, View};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{
-    Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Site, Skylines, Traced,
-};
+use crate::shadow::{Disc, Shadow, Site, Skylines, UnpreparedLight};
 use crate::terrain::{Ground, Hit};
 
 /// Renders on the CPU, in f64, on all cores.
@@ -66,24 +64,11 @@ pub fn shadow<'a>(
     scene: &'a Scene,
     view: &View,
     known: &Skylines,
-) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
-    let surface = &scene.surface;
-    if let Some(settled) = Settled::of(scene) {
-        return Ok(Some(Box::new(settled)));
+) -> Result<Option<Box<dyn Shadow + 'a>>, UnpreparedLight> {
+    if let Some(traced) = TracedWhereOpen::of(scene) {
+        return Ok(Some(Box::new(traced)));
     }
-    if let Some(method) = scene.shadows.towards() {
-        let skylines = known.towards(surface, method, &view.held_lights())?;
-        return Ok(Some(Box::new(Fetched { surface, skylines })));
-    }
-    Ok(match &scene.shadows {
-        Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
-        Shadows::Lighting(lighting) => {
-            Some(Box::new(LightingFactors::new(surface, lighting, &scene.disk, &view.held_lights())))
-        }
-        Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
-        Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
-        Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
-    })
+    scene.shadows.shadow(&scene.surface, &scene.disk, &view.quantized_lights(), known)
 }
 
 /// Share of the Sun's disc that a point of the ground sees; NaN on ground without heights.

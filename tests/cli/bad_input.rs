@@ -133,7 +133,7 @@ const STRUCTURE: &[Case] = &[
         "refinement of what has no known error",
         "title: \"a test\"",
         "title: \"a test\", refine: true, shadows: Sweep()",
-        "2:30: refine needs shadows: Fourier or Baked, whose errors are known",
+        "2:30: refine needs shadows: HorizonMaps without visibility and coefficients, whose errors are known",
     ),
     Case(
         "unknown plane",

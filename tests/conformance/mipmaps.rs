@@ -2,9 +2,11 @@
 
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
-use perilune::render::{Ambient, Renderer, Scene, Shadows};
+use perilune::render::{Ambient, Renderer, Scene};
+use perilune::shadow::mipmaps::Mipmaps;
+use perilune::shadow::multiscale::Multiscale;
 use perilune::shadow::sky::{Harmonic, shares};
-use perilune::shadow::{Mipmaps, Multiscale};
+use std::sync::Arc;
 
 use super::render::{compare, scenes};
 
@@ -24,7 +26,7 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
         }
         for method in methods(&scene) {
             let called = format!("{name}, {method:?}");
-            scene.shadows = Shadows::Mipmaps(method);
+            scene.shadows = Arc::new(method);
             let reference = Reference.samples(&scene, &view).unwrap();
             let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
             let agreement = compare(&scene, &reference, &pass);
@@ -38,9 +40,9 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
 fn one_mip_less_is_noticed() {
     let Some(gpu) = super::gpu() else { return };
     let (_, mut scene, view) = scenes().swap_remove(0);
-    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5]));
+    scene.shadows = Arc::new(Mipmaps::of(&[5, 5, 5]));
     let reference = Reference.samples(&scene, &view).unwrap();
-    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 4, 5]));
+    scene.shadows = Arc::new(Mipmaps::of(&[5, 4, 5]));
     let other = Passes::new(gpu).samples(&scene, &view).unwrap();
     assert!(compare(&scene, &reference, &other).radiance < 0.995);
 }

@@ -8,7 +8,8 @@ use perilune::geometry::{Body, Geodetic, Position, Rotation};
 use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
-use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune::render::{Light, Quantity, Renderer, Samples, Scene, View};
+use perilune::shadow::registry;
 use perilune::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
 
 fn nested() -> Terrain {
@@ -35,7 +36,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
     let focal_px = f64::from(columns) / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
     Scene {
         surface: Surface::new(terrain),
-        shadows: Shadows::None,
+        shadows: registry::off(),
         refine: None,
         view_rays: Default::default(),
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },

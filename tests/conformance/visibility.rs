@@ -3,8 +3,10 @@
 use perilune::horizon::{Encoding, HorizonMap};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::{At, Lighting, Visibility};
+use perilune::render::{Renderer, Samples, Scene, View};
+use perilune::shadow::horizon_maps::{At, HorizonMaps, Visibility};
+use perilune::shadow::registry;
+use std::sync::Arc;
 
 use super::render::compare;
 use super::skylines::nested;
@@ -18,7 +20,7 @@ const VISIBILITIES: [Visibility; 5] = [
 ];
 
 fn with(scene: &mut Scene, maps: &[Vec<HorizonMap>], visibility: Visibility, at: At) {
-    scene.shadows = Shadows::Lighting(Lighting { maps: maps.to_vec(), visibility, at });
+    scene.shadows = Arc::new(HorizonMaps { maps: maps.to_vec(), visibility: Some(visibility), at });
 }
 
 /// RMS difference of the Sun's share.
@@ -44,7 +46,7 @@ fn the_pass_finds_the_lighting_factors_of_the_reference() {
         }
         // The comparison sees where shadows are missing.
         let shadowed = Reference.samples(&scene, &view).unwrap();
-        scene.shadows = Shadows::None;
+        scene.shadows = registry::off();
         assert!(compare(&scene, &shadowed, &Passes::new(gpu).samples(&scene, &view).unwrap()).radiance < 0.95);
     }
 }

@@ -4,18 +4,19 @@ use std::path::Path;
 
 use perilune::evaluate::Value;
 use perilune::evaluate::shadows::matrix;
-use perilune::evaluate::shadows::methods::{SLOW, USUAL};
+use perilune::evaluate::shadows::methods::{slow, usual};
 use perilune::evaluate::shadows::{Options, compare, reduced, run};
 use perilune::geometry::Position;
 use perilune::pipeline::{self, Silent};
+use perilune::render::Renderer;
 use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Shadows};
 use perilune::scenario::{self, Scenario};
+use perilune::shadow::registry;
 
 const SCENARIO: &str = "(
     title: \"A small highland under a fixed Sun\",
     terrain: (dems: [Synthetic(columns: 192, rows: 192, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 5)]),
-    shadows: Fourier,
+    shadows: HorizonMaps(),
     sun: (fixed: (azimuth_deg: 40, elevation_deg: 6)),
     trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -89, longitude_deg: 0, height_m: 8000)]),
     camera: (columns: 128, rows: 96, field_of_view_deg: 20, samples_per_pixel: 4),
@@ -42,7 +43,7 @@ fn a_reduced_camera_sees_the_same_field_with_one_ray_a_pixel() {
 #[test]
 fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
     let folder = tempfile::TempDir::new().unwrap();
-    let methods = [&USUAL[..], &SLOW].concat().into_iter().map(str::to_owned).collect();
+    let methods = [usual(), slow()].concat().into_iter().map(str::to_owned).collect();
     let options = Options { exposure: 0, pixels: 64, methods, cache: folder.path().join("cache") };
     let report = run(&small(folder.path()), &options, &Silent).unwrap_or_else(|error| panic!("{error}"));
     let agreement = |method: &str| {
@@ -70,7 +71,7 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
     let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
     let mut scene = pipeline::scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
-    scene.shadows = Shadows::Traced(Default::default());
+    scene.shadows = registry::reference(Default::default());
     let mut view = prepared.exposures[0].view.clone();
     let truth = Reference.samples(&scene, &view).unwrap().pixels;
     let (ground, full_w_m2) = (vec![true; truth.len()], view.lights[0].irradiance_w_m2);

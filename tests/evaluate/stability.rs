@@ -1,6 +1,6 @@
 //! Hard cases: what passes goes on passing, and what is wrong is seen to be wrong.
 
-use perilune::evaluate::stability::methods::{Workbench, outcome};
+use perilune::evaluate::stability::methods::{MethodFactory, outcome};
 use perilune::evaluate::stability::{Outcome, cases, run};
 use perilune::evaluate::{Report, Value};
 use perilune::pipeline::Silent;
@@ -51,12 +51,12 @@ fn a_planted_error_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     let mut cases = cases::all();
     let case = cases.iter_mut().find(|case| case.number == 1).unwrap();
-    let workbench = Workbench::new(&case.scene.surface, folder.path()).unwrap();
-    assert!(matches!(outcome(case, "traced", None, &workbench).unwrap(), Outcome::Pass(_)));
+    let factory = MethodFactory::new(&case.scene.surface, folder.path()).unwrap();
+    assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Pass(_)));
     let map = case.scene.surface.terrain.faces[0].map.clone();
     case.views[0].lights[0] =
         perilune::evaluate::stability::scenes::sun(&map, -std::f64::consts::FRAC_PI_2, 3.25_f64.to_radians());
-    assert!(matches!(outcome(case, "traced", None, &workbench).unwrap(), Outcome::Fail(_)));
+    assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Fail(_)));
     let mut renderer = perilune::render::reference::Reference;
     let mut image = perilune::render::Renderer::samples(&mut renderer, &case.scene, &case.views[0]).unwrap();
     image.pixels[7].sun_fraction = f32::NAN;

@@ -5,8 +5,10 @@ use perilune::ephemeris::Source;
 use perilune::geometry::{Body, BodyFixed, Direction, Position, Rotation};
 use perilune::horizon::Settings;
 use perilune::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M};
-use perilune::render::{Light, Samples, Scene, Shadows, View};
+use perilune::render::{Light, Samples, Scene, View};
+use perilune::shadow::{ShadowMethod, registry};
 use perilune::terrain::Terrain;
+use std::sync::Arc;
 
 use crate::scenes::{self, Grid, map};
 
@@ -24,7 +26,7 @@ fn view() -> View {
     scenes::nadir(&map, DVec2::new(20.0, -35.0), 1500.0, scenes::sun(&map, 0.8, 8f64.to_radians()))
 }
 
-fn hilly(shadows: impl Fn(&Terrain) -> Shadows) -> Scene {
+fn hilly(shadows: impl Fn(&Terrain) -> Arc<dyn ShadowMethod>) -> Scene {
     Scene { shadows: shadows(&terrain()), ..scenes::scene(terrain(), scenes::pinhole(64, 64, 80.0)) }
 }
 
@@ -92,7 +94,7 @@ fn a_larger_world_looks_the_same() {
 /// Where the whole disc is seen. Its size enters by the penumbra alone.
 #[test]
 fn twice_the_distance_of_the_sun_is_a_quarter_of_the_radiance() {
-    let scene = hilly(|_| Shadows::None);
+    let scene = hilly(|_| registry::off());
     let at = |distance_m: f64| {
         let mut view = view();
         let light = &mut view.lights[0];
@@ -121,7 +123,7 @@ fn a_mountain_added_towards_the_sun_brightens_nothing() {
     let optics = scenes::pinhole(24, 24, 60.0);
     let [bare, other] = [terrain(), Grid::square(1200.0, 15.0).terrain(&Body::moon(), mountain)].map(|terrain| {
         let scene = scenes::scene(terrain, optics.clone());
-        let shadowed = Scene { shadows: Shadows::Traced(Settings::default()), ..scene };
+        let shadowed = Scene { shadows: registry::reference(Settings::default()), ..scene };
         scenes::samples(&shadowed, &view()).swap_remove(0).1
     });
     let mut darker = 0;

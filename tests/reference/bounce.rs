@@ -8,8 +8,9 @@ use perilune::horizon::Settings;
 use perilune::photometry::{Hapke, Reflectance};
 use perilune::render::passes::Passes;
 use perilune::render::reference::{Reference, irradiance_w_m2};
-use perilune::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
-use perilune::shadow::{Skylines, Traced};
+use perilune::render::{AlbedoRole, Bounce, Light, Renderer, Scene, View, planes};
+use perilune::shadow::Skylines;
+use perilune::shadow::traced::TracedShadow;
 use perilune::terrain::{Ground, Hit, Terrain};
 
 use crate::conformance::gpu;
@@ -29,10 +30,10 @@ fn sun(elevation_deg: f64) -> Light {
 }
 
 fn with_bounce(terrain: Terrain, azimuths: usize, elevations: usize) -> Scene {
-    let Shadows::Fourier(maps) = scenes::fourier(&terrain) else { unreachable!("they are Fourier's") };
+    let shadows = scenes::fourier(&terrain);
     let scene = scenes::scene(terrain, scenes::pinhole(33, 33, 40.0));
-    let bounce = Bounce::new(&scene.surface, &maps, azimuths, elevations);
-    Scene { shadows: Shadows::Fourier(maps), bounce: Some(bounce), ..scene }
+    let bounce = Bounce::new(&scene.surface, shadows.maps().unwrap(), azimuths, elevations);
+    Scene { shadows, bounce: Some(bounce), ..scene }
 }
 
 /// Straight down from a height, onto the map's centre.
@@ -102,7 +103,7 @@ fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
     let start = hit(lifted);
     let normal = planes::normal(scene, &start).unit();
     let (x, y) = normal.any_orthonormal_pair();
-    let shadow = Traced { surface: &scene.surface, settings: Settings::default() };
+    let shadow = TracedShadow { surface: &scene.surface, settings: Settings::default() };
     let above = Position::from_m(start.position.vector_m() + 0.02 * normal);
     let mut sum = 0.0;
     for ring in 0..rings {

@@ -7,8 +7,8 @@ use perilune::geometry::{Body, Position};
 use perilune::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
 use perilune::render::planes::Radiometry;
 use perilune::render::reference::{self, Reference};
-use perilune::render::{Quantity, Renderer, Scene, Shadows};
-use perilune::shadow::Skylines;
+use perilune::render::{Quantity, Renderer, Scene};
+use perilune::shadow::{Skylines, registry};
 use perilune::terrain::{Hit, Surface};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
@@ -105,7 +105,7 @@ fn shaded() -> (Scene, perilune::render::View) {
     let terrain = Grid::square(200.0, 1.0).terrain(&body, |at_m| if at_m.x > 20.0 { 20.0 } else { 0.0 });
     let map = map(&body);
     let scene = Scene {
-        shadows: Shadows::Traced(Default::default()),
+        shadows: registry::reference(Default::default()),
         quantities: vec![Quantity::Hazard],
         ..scene(terrain, pinhole(60, 1, 60.0))
     };

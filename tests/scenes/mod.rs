@@ -1,18 +1,21 @@
 //! Small scenes with closed forms, and whoever can render them.
 
+use std::sync::Arc;
+
 use perilune::camera::Camera as Optics;
 pub use perilune::evaluate::stability::scenes::*;
 use perilune::horizon::{self, Encoding, Request, Settings};
 use perilune::render::passes::Passes;
 use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::{Edge, SingleAzimuth, Swept};
+use perilune::render::{Renderer, Samples, Scene, View};
+use perilune::shadow::towards_sun::{Edge, SingleAzimuth, Swept};
+use perilune::shadow::{ShadowMethod, registry};
 use perilune::terrain::{Face, Terrain};
 
 use crate::conformance::gpu;
 
 /// Horizon maps as the engine builds them.
-pub fn fourier(terrain: &Terrain) -> Shadows {
+pub fn fourier(terrain: &Terrain) -> Arc<dyn ShadowMethod> {
     let directory = tempfile::tempdir().unwrap();
     let settings = Settings { azimuths: 120, ..Settings::default() };
     let of_level = |face: &Face, level: usize| {
@@ -20,23 +23,20 @@ pub fn fourier(terrain: &Terrain) -> Shadows {
         horizon::build(&request, directory.path(), &|_, _| ()).unwrap()
     };
     let of_face = |face: &Face| (0..face.levels.len()).map(|level| of_level(face, level)).collect();
-    Shadows::Fourier(terrain.faces.iter().map(of_face).collect())
+    registry::of_maps(terrain.faces.iter().map(of_face).collect())
 }
 
 /// Methods that find skylines towards a light without horizon maps.
-pub fn towards() -> [Shadows; 2] {
+pub fn towards() -> [Arc<dyn ShadowMethod>; 2] {
     let settings = Settings::default();
     let sweep = Swept { settings, step_rad: 0.15_f64.to_radians() };
-    [
-        Shadows::Towards(Box::new(sweep)),
-        Shadows::Towards(Box::new(SingleAzimuth { settings, spacing: 1.0, edge: Edge::Sloped })),
-    ]
+    [Arc::new(sweep), Arc::new(SingleAzimuth { settings, spacing: 1.0, edge: Edge::Sloped })]
 }
 
 /// The same scene with traced shadows, with horizon maps, and with skylines towards the light.
 pub fn shadowed(terrain: Terrain, optics: &Optics) -> Vec<Scene> {
     let maps = fourier(&terrain);
-    [Shadows::Traced(Settings::default()), maps]
+    [registry::reference(Settings::default()), maps]
         .into_iter()
         .chain(towards())
         .map(|shadows| Scene { shadows, ..scene(terrain.clone(), optics.clone()) })
@@ -47,7 +47,8 @@ pub fn shadowed(terrain: Terrain, optics: &Optics) -> Vec<Scene> {
 /// that are found on the host are the same in both; `conformance` sees to that.
 pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
     let mut all = vec![("reference", Reference.samples(scene, view).unwrap())];
-    if !matches!(scene.shadows, Shadows::Traced(_) | Shadows::Towards(_))
+    if scene.shadows.runs_on_device()
+        && scene.shadows.skylines().is_none()
         && let Some(gpu) = gpu()
     {
         all.push(("pass", Passes::new(gpu).samples(scene, view).unwrap()));

@@ -5,15 +5,16 @@
 
 use glam::DVec2;
 
-use super::methods::Workshop;
+use super::methods::MethodFactory;
 use super::{Comparison, Trial, compare, level_of, trial};
 use crate::evaluate::images::{Grid, edges, flip, ssim};
 use crate::evaluate::statistics::{Errors, median};
 use crate::evaluate::{Error, Value};
 use crate::render::planes::Radiometry;
 use crate::render::reference::Reference;
-use crate::render::{Quantity, Scene, Shadows, View};
+use crate::render::{Quantity, Scene, View};
 use crate::scenario::Scenario;
+use crate::shadow::registry;
 
 /// Columns of what [`Truth::errors`] gives.
 pub(super) const ERRORS: [(&str, &str); 8] = [
@@ -40,8 +41,8 @@ pub(super) struct Truth {
 
 impl Truth {
     /// Renders it.
-    pub(super) fn of(scene: &mut Scene, view: &View, workshop: &Workshop) -> Result<Self, Error> {
-        scene.shadows = Shadows::Traced(workshop.settings);
+    pub(super) fn of(scene: &mut Scene, view: &View, factory: &MethodFactory) -> Result<Self, Error> {
+        scene.shadows = registry::reference(factory.settings);
         let quantities = std::mem::replace(&mut scene.quantities, vec![Quantity::DemGap]);
         let trial = trial("traced, reference".into(), &mut Reference, scene, view)?;
         scene.quantities = quantities;

@@ -28,10 +28,11 @@ use crate::horizon::settings::direction;
 use crate::horizon::trace::Tracer;
 use crate::pipeline::Progress;
 use crate::render::{Light, RenderError};
+use crate::shadow::multiscale::Multiscale;
 use crate::shadow::multiscale::device::OnDevice;
 use crate::shadow::sky::{Harmonics, Wedges};
-use crate::shadow::skylines::{Feet, Skyline};
-use crate::shadow::{HeldLight, Multiscale};
+use crate::shadow::skylines::Skyline;
+use crate::shadow::{FieldMaker, QuantizedLight, SurfacePoints};
 use crate::terrain::{Level, Terrain};
 
 /// A cone of 45° in the middle of 128² nodes of 1 m.
@@ -266,8 +267,8 @@ fn device_s(gpu: &Gpu, terrain: &Terrain) -> Result<Option<f64>, RenderError> {
     let method = Multiscale::new(terrain, 4, 2.0, 2f64.to_radians());
     let Some(device) = OnDevice::new(gpu, &method, terrain)? else { return Ok(None) };
     let Light { position, angular_radius_rad, .. } = sun(&face.map, 0.6, LIGHT_DEG.to_radians());
-    let light = HeldLight::new(position, angular_radius_rad);
-    let fields = gpu.output("skylines", (Feet::of(&face.levels[0]).count() * size_of::<Skyline>()) as u64);
+    let light = QuantizedLight::new(position, angular_radius_rad);
+    let fields = gpu.output("skylines", (SurfacePoints::of(&face.levels[0]).count() * size_of::<Skyline>()) as u64);
     // The driver compiles when it runs a shader for the first time.
     let mut seconds = f64::NAN;
     for _ in 0..2 {

@@ -6,7 +6,8 @@ use crate::camera::Camera as Optics;
 use crate::geometry::{Body, BodyFixed, Geodetic, Position, Rotation};
 use crate::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use crate::render::planes::Radiometry;
-use crate::render::{Light, Quantity, Samples, Scene, Shadows, View};
+use crate::render::{Light, Quantity, Samples, Scene, View};
+use crate::shadow::registry;
 use crate::terrain::{Face, Gnomonic, Ground, Hit, Level, Surface, Terrain};
 
 /// Angular radius of the Sun at 1 au, rounded as in the tables of expected values.
@@ -67,7 +68,7 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
         refine: None,
         view_rays: Default::default(),
         surface: Surface::new(terrain),
-        shadows: Shadows::None,
+        shadows: registry::off(),
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
         albedo: None,
         ambient: None,

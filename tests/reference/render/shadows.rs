@@ -1,11 +1,13 @@
 //! Edges of shadows, traced and from horizon maps.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
 
 use glam::DVec2;
 use perilune::geometry::Body;
 use perilune::horizon::Settings;
-use perilune::render::{Quantity, Scene, Shadows, planes};
+use perilune::render::{Quantity, Scene, planes};
+use perilune::shadow::{ShadowMethod, registry};
 use perilune::terrain::Terrain;
 
 use crate::scenes::{self, Grid, Row, SOLAR_RADIUS_RAD, flat_body, map};
@@ -75,7 +77,7 @@ fn the_penumbra_of_a_straight_edge_is_the_share_of_the_disc() {
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, elevation_rad));
     for scene in scenes::shadowed(step(), &Row::optics()) {
         let scene = Scene { disk: scenes::disk(0.507909), ..scene };
-        let bound = if matches!(scene.shadows, Shadows::Traced(_)) { 2e-3 } else { 0.06 };
+        let bound = if scene.shadows.is_exact() { 2e-3 } else { 0.06 };
         for (renderer, samples) in scenes::samples(&scene, &view) {
             let fractions = row.fractions(&samples);
             for (height, expected) in table {
@@ -97,11 +99,11 @@ fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
     let row = Row { west_m: 1700.0, east_m: 2370.0 };
     let map = map(&flat_body());
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
-    let scene = |shadows: Shadows, refine: Option<Settings>| {
+    let scene = |shadows: Arc<dyn ShadowMethod>, refine: Option<Settings>| {
         let quantities = vec![Quantity::SunFractionSigma];
         Scene { shadows, refine, quantities, ..scenes::scene(step(), Row::optics()) }
     };
-    let traced = scene(Shadows::Traced(Settings::default()), None);
+    let traced = scene(registry::reference(Settings::default()), None);
     let truth = &scenes::samples(&traced, &view)[0].1;
     let maps = scene(scenes::fourier(&step()), None);
     let sigma = |scene: &Scene, samples: &_| planes::image(scene, &view, samples).planes[0].values.clone();
@@ -311,7 +313,7 @@ fn a_hole_in_the_dem_shades_nothing_far_away() {
             assert!(a.pixels.iter().any(|pixel| pixel.sun_fraction > 0.1), "a scene with light");
             for (p, q) in a.pixels.iter().zip(&b.pixels) {
                 // Series truncate a hill's absence differently: 2e-4 rad here.
-                let bound = if matches!(whole.shadows, Shadows::Traced(_)) { 1e-6 } else { 0.05 };
+                let bound = if whole.shadows.is_exact() { 1e-6 } else { 0.05 };
                 assert!((p.sun_fraction - q.sun_fraction).abs() < bound, "{}", scenes::name(&whole, renderer));
             }
         }

@@ -14,7 +14,8 @@ use super::case::Judge;
 use super::scenes::{Row, scene};
 use crate::geometry::Body;
 use crate::render::reference::Reference;
-use crate::render::{Light, Renderer, Samples, Scene, Shadows, View};
+use crate::render::{Light, Renderer, Samples, Scene, View};
+use crate::shadow::registry::reference;
 use crate::terrain::Terrain;
 
 /// Where the Sun of most cases stands: its light travels towards map +X.
@@ -93,7 +94,7 @@ fn shares(expected: impl Fn(usize, glam::DVec2) -> Option<f64> + 'static) -> Jud
 
 /// The mean error of the share of the disc against a traced image of the only view.
 fn against_traced(scene: &mut Scene, view: &View) -> Judge {
-    scene.shadows = Shadows::Traced(Default::default());
+    scene.shadows = reference(Default::default());
     // Small terrain, a law and a camera in their domains: the reference renders it.
     let truth = Reference.samples(scene, view).map(|image| image.pixels).unwrap_or_default();
     Box::new(move |images: &[Samples]| {

@@ -41,9 +41,9 @@ use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
 
-use super::skylines::line;
-use super::{Disc, Shadow, Site};
 use crate::photometry::{DiskLight, HorizonLine};
+use crate::shadow::site::{Disc, Shadow, Site};
+use crate::shadow::skylines::line;
 use crate::terrain::{Level, Pyramid, Surface, Terrain};
 
 /// How runs go.
