@@ -13,15 +13,15 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::machine::process_seconds;
 use super::shadows::reduced;
 use super::{Error, Machine, Report, Table, Value};
-use crate::gpu::{Adapter, Gpu};
-use crate::pipeline::{self, AdapterChoice, Progress, Stages};
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer};
-use crate::scenario::Scenario;
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::pipeline::{self, AdapterChoice, Progress, Stages};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer};
+use perilune_engine::report::machine::process_seconds;
+use perilune_engine::scenario::Scenario;
 
 /// What to time.
 #[derive(Debug, Clone)]

@@ -2,19 +2,19 @@
 
 use std::path::PathBuf;
 
-use crate::pipeline::error::wraps_stages;
+use perilune_engine::wraps_stages;
 
 /// Any stage's error; the stages' own say what was met and what is allowed.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     #[error(transparent)]
-    Pipeline(#[from] crate::pipeline::Error),
+    Pipeline(#[from] perilune_engine::pipeline::Error),
     #[error("cannot write {path}")]
     Write { path: PathBuf, source: std::io::Error },
     #[error("cannot run {path}")]
     Program { path: PathBuf, source: std::io::Error },
-    #[error("cannot encode the image {name} as PNG")]
-    Png { name: String, source: image::ImageError },
+    #[error(transparent)]
+    Report(#[from] perilune_engine::report::Error),
     #[error("{key} = {got} is outside [{}, {}]", allowed[0], allowed[1])]
     Range { key: &'static str, got: usize, allowed: [usize; 2] },
     #[error("method = {got} is unknown, allowed are {allowed}")]
@@ -30,12 +30,12 @@ pub enum Error {
 }
 
 wraps_stages!(
-    Error: crate::raster::Error,
-    crate::terrain::synthetic::Error,
-    crate::terrain::build::Error,
-    crate::horizon::Error,
-    crate::photometry::PhotometryError,
-    crate::render::RenderError,
-    crate::dataset::DatasetError,
-    crate::ephemeris::EphemerisError,
+    Error: perilune_engine::raster::Error,
+    perilune_engine::terrain::synthetic::Error,
+    perilune_engine::terrain::build::Error,
+    perilune_engine::horizon::Error,
+    perilune_engine::photometry::PhotometryError,
+    perilune_engine::render::RenderError,
+    perilune_engine::dataset::DatasetError,
+    perilune_engine::ephemeris::EphemerisError,
 );

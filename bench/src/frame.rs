@@ -4,15 +4,15 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::shadows::reduced;
-use super::statistics::median;
 use super::{Error, Machine, Report, Table, Value};
-use crate::dataset::write_exr;
-use crate::gpu::{Adapter, Gpu};
-use crate::pipeline::{self, Exposure, Progress};
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Samples, Scene, ViewRays, planes};
-use crate::scenario::Scenario;
+use perilune_engine::dataset::write_exr;
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::pipeline::{self, Exposure, Progress};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Samples, Scene, ViewRays, planes};
+use perilune_engine::report::statistics::median;
+use perilune_engine::scenario::Scenario;
 
 /// What to time.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! Speed and error of horizons: swept, compressed, and as shadows.
 //!
 //! A *sample* is the horizon of one node in one azimuth. Speed is samples over the seconds that a thread spends on a core,
-//! so that other programs' work does not count; errors are against [`crate::horizon::trace`], at pixels spread evenly over
+//! so that other programs' work does not count; errors are against [`perilune_engine::horizon::trace`], at pixels spread evenly over
 //! the level, in all azimuths. Shadows are decided by the same horizons: a sample is lit where its horizon is below the
 //! Sun's centre, and in the penumbra the share of a uniform disc above a level line at the horizon's elevation stands for
 //! the irradiance.
@@ -19,12 +19,12 @@ pub mod tiles;
 
 use std::path::PathBuf;
 
-use super::plot::{Axis, Curve, Plot};
 use super::scenes::Scene;
 use super::{Error, Machine, Report, Table, Value};
-use crate::horizon::measure::Sample;
-use crate::horizon::{Method, Settings};
-use crate::pipeline::Progress;
+use perilune_engine::horizon::measure::Sample;
+use perilune_engine::horizon::{Method, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
 
 pub use profiles::{Profiles, errors, searched, traced};
 pub use shadows::{ShadowErrors, shadows};

@@ -12,19 +12,19 @@ use std::time::Instant;
 
 use hifitime::Unit;
 
-use crate::ephemeris::{Almanac, parse_epoch};
-use crate::evaluate::horizons::tiles::Scratch;
-use crate::evaluate::scenes::{CAP, RIDGE, Scene};
-use crate::evaluate::{Error, Machine, Report, Table, Value};
-use crate::geometry::Geodetic;
-use crate::horizon::trace::Tracer;
-use crate::horizon::{self, Encoding, Request, Settings};
-use crate::illumination::area::Spread;
-use crate::illumination::maps::needed_blocks;
-use crate::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best};
-use crate::photometry::{LimbDarkening, SolarDisk};
-use crate::pipeline::Progress;
-use crate::terrain::{Face, Level, Pyramid};
+use crate::horizons::tiles::Scratch;
+use crate::scenes::{CAP, RIDGE, Scene};
+use crate::{Error, Machine, Report, Table, Value};
+use perilune_engine::ephemeris::{Almanac, parse_epoch};
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{self, Encoding, Request, Settings};
+use perilune_engine::illumination::area::Spread;
+use perilune_engine::illumination::maps::needed_blocks;
+use perilune_engine::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::terrain::{Face, Level, Pyramid};
 
 /// What to measure.
 #[derive(Debug, Clone)]

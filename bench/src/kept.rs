@@ -10,8 +10,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::Error;
-use crate::dataset::write_whole;
-use crate::digest::sha256_hex;
+use perilune_engine::dataset::write_whole;
+use perilune_engine::digest::sha256_hex;
 
 /// The steps of one run.
 #[derive(Debug)]

@@ -13,13 +13,13 @@ use glam::{DVec2, DVec3};
 pub use contacts::{ECLIPSES, Eclipse};
 
 use super::{Error, Machine, Report, Table, Value};
-use crate::ephemeris::Source;
-use crate::geometry::Direction;
-use crate::photometry::{
+use perilune_engine::ephemeris::Source;
+use perilune_engine::geometry::Direction;
+use perilune_engine::photometry::{
     Curve, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk, SolarSpectrum,
 };
-use crate::pipeline::lights::earthshine_w_m2;
-use crate::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
+use perilune_engine::pipeline::lights::earthshine_w_m2;
+use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 
 /// One quantity, twice.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,11 +7,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::Error;
-use crate::geometry::{Body, Geodetic};
-use crate::raster::{self, Dem};
-use crate::terrain::build::MAX_NODES_PER_SIDE;
-use crate::terrain::synthetic::{self, Parameters};
-use crate::terrain::{Face, Gnomonic, Level, NestedDem, build_face};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster::{self, Dem};
+use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
+use perilune_engine::terrain::synthetic::{self, Parameters};
+use perilune_engine::terrain::{Face, Gnomonic, Level, NestedDem, build_face};
 
 /// Posting of synthetic scenes.
 const POSTING_M: f64 = 20.0;

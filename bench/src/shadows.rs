@@ -19,22 +19,22 @@ mod truth;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::plot::{Axis, Curve, Plot};
-use super::report::Picture;
-use super::statistics::Errors;
 use super::{Error, Machine, Report, Table, Value};
-use crate::ephemeris::{horizontal, utc_text};
-use crate::geometry::Position;
-use crate::gpu::{Adapter, Gpu};
-use crate::pipeline::{self, Prepared, Progress};
-use crate::render::passes::Passes;
-use crate::render::planes::Radiometry;
-use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Samples, Scene, View};
-use crate::scenario::{self, Scenario};
-use crate::shadow::registry;
-use crate::terrain::{Ground, Hit};
 use methods::{MethodFactory, outside_domain};
+use perilune_engine::ephemeris::{horizontal, utc_text};
+use perilune_engine::geometry::Position;
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::pipeline::{self, Prepared, Progress};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Samples, Scene, View};
+use perilune_engine::report::Picture;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
+use perilune_engine::report::statistics::Errors;
+use perilune_engine::scenario::{self, Scenario};
+use perilune_engine::shadow::registry;
+use perilune_engine::terrain::{Ground, Hit};
 
 /// What to compare.
 #[derive(Debug, Clone)]
@@ -191,8 +191,8 @@ fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) 
     table
 }
 
-fn traced_settings(scenario: &Scenario) -> crate::horizon::Settings {
-    crate::horizon::Settings {
+fn traced_settings(scenario: &Scenario) -> perilune_engine::horizon::Settings {
+    perilune_engine::horizon::Settings {
         azimuths: scenario.horizon.azimuths as usize,
         search_m: scenario.horizon.search_m,
         observer_height_m: scenario.horizon.observer_height_m,
@@ -394,7 +394,9 @@ fn picture(scenario: &Scenario, truth: &Trial, trial: &Trial, ground: &[bool]) -
     let image = image::RgbImage::from_fn(columns, rows, |column, row| colour((row * columns + column) as usize));
     let mut png = std::io::Cursor::new(Vec::new());
     let name = trial.method.replace(", ", "_");
-    image.write_to(&mut png, image::ImageFormat::Png).map_err(|source| Error::Png { name: name.clone(), source })?;
+    image
+        .write_to(&mut png, image::ImageFormat::Png)
+        .map_err(|source| perilune_engine::report::Error::Png { name: name.clone(), source })?;
     let caption = format!("{}: red is lit where the truth is dark, blue dark where the truth is lit", trial.method);
     Ok(Picture { name, caption, png: png.into_inner() })
 }

@@ -19,10 +19,10 @@ mod snyder;
 
 use std::time::Instant;
 
-use super::statistics::median;
 use super::{Error, Machine, Report};
-use crate::gpu::{Adapter, Gpu};
-use crate::pipeline::Progress;
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::report::statistics::median;
 
 /// How much to measure.
 #[derive(Debug, Clone, Copy)]

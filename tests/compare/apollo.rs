@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use perilune::compare::{Comparison, Freedom, GeometrySource, Law, Model, Request, compare};
-use perilune::pipeline::{AdapterChoice, Silent};
+use perilune_engine::compare::{Comparison, Freedom, GeometrySource, Law, Model, Request, compare};
+use perilune_engine::pipeline::{AdapterChoice, Silent};
 
 fn data() -> Option<PathBuf> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");

@@ -4,19 +4,19 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Direction, Position};
-use perilune::horizon::Settings;
-use perilune::horizon::settings::direction as direction_of;
-use perilune::horizon::trace::Tracer;
-use perilune::photometry::{Facet, HorizonLine, SunAxes};
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Scene, View};
-use perilune::shadow::fan::{THREE, line_of_three};
-use perilune::shadow::towards_sun::single_azimuth::{lanes, reference};
-use perilune::shadow::towards_sun::swath::Plan;
-use perilune::shadow::towards_sun::{Edge, SingleAzimuth, Swath, Swept};
-use perilune::shadow::{QuantizedLight, ShadowMethod, SkylineSource, UnpreparedLight, registry};
-use perilune::terrain::{Surface, Terrain};
+use perilune_engine::geometry::{Direction, Position};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::settings::direction as direction_of;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::photometry::{Facet, HorizonLine, SunAxes};
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Scene, View};
+use perilune_engine::shadow::fan::{THREE, line_of_three};
+use perilune_engine::shadow::towards_sun::single_azimuth::{lanes, reference};
+use perilune_engine::shadow::towards_sun::swath::Plan;
+use perilune_engine::shadow::towards_sun::{Edge, SingleAzimuth, Swath, Swept};
+use perilune_engine::shadow::{QuantizedLight, ShadowMethod, SkylineSource, UnpreparedLight, registry};
+use perilune_engine::terrain::{Surface, Terrain};
 
 use super::render::{cube, scenes};
 

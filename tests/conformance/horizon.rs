@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use perilune::horizon::pack::{Family, Field, pack, unpack};
-use perilune::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
-use perilune::terrain::AZIMUTH_RATIO_WGSL;
+use perilune_engine::horizon::pack::{Family, Field, pack, unpack};
+use perilune_engine::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
+use perilune_engine::terrain::AZIMUTH_RATIO_WGSL;
 
 use super::{Comparison, Shader, functions, gpu, spread};
 

@@ -2,13 +2,15 @@
 
 use std::mem::offset_of;
 
-use perilune::horizon::Encoding;
-use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
-use perilune::render::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
-use perilune::render::passes::SHADER;
-use perilune::shadow::DevicePart;
-use perilune::shadow::horizon_maps::device::{NODES, NodesParameters};
-use perilune::shadow::multiscale::device;
+use perilune_engine::horizon::Encoding;
+use perilune_engine::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
+use perilune_engine::render::layout::{
+    CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
+};
+use perilune_engine::render::passes::SHADER;
+use perilune_engine::shadow::DevicePart;
+use perilune_engine::shadow::horizon_maps::device::{NODES, NodesParameters};
+use perilune_engine::shadow::multiscale::device;
 
 /// Stands for what is made of a map.
 const NODE_VALUE: &str =

@@ -4,17 +4,17 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use perilune::evaluate::stability::scenes::{Grid, flat_body};
-use perilune::geometry::{Body, Position};
-use perilune::gpu::Gpu;
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Light, Renderer};
-use perilune::shadow::multiscale::Multiscale;
-use perilune::shadow::multiscale::device::OnDevice;
-use perilune::shadow::skylines::Field;
-use perilune::shadow::{FieldMaker, QuantizedLight, SkylineSource, Skylines, SurfacePoints};
-use perilune::terrain::{Face, Surface, Terrain};
+use perilune_bench::stability::scenes::{Grid, flat_body};
+use perilune_engine::geometry::{Body, Position};
+use perilune_engine::gpu::Gpu;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Light, Renderer};
+use perilune_engine::shadow::multiscale::Multiscale;
+use perilune_engine::shadow::multiscale::device::OnDevice;
+use perilune_engine::shadow::skylines::Field;
+use perilune_engine::shadow::{FieldMaker, QuantizedLight, SkylineSource, Skylines, SurfacePoints};
+use perilune_engine::terrain::{Face, Surface, Terrain};
 
 use super::render::{compare, cube, scenes};
 use crate::reference::horizon::scene::{cratered, nested};

@@ -1,11 +1,11 @@
 //! Lighting factors of horizon maps: the pass against the reference, and both against the skyline's own line.
 
-use perilune::horizon::{Encoding, HorizonMap};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Samples, Scene, View};
-use perilune::shadow::horizon_maps::{At, HorizonMaps, Visibility};
-use perilune::shadow::registry;
+use perilune_engine::horizon::{Encoding, HorizonMap};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Samples, Scene, View};
+use perilune_engine::shadow::horizon_maps::{At, HorizonMaps, Visibility};
+use perilune_engine::shadow::registry;
 use std::sync::Arc;
 
 use super::render::compare;

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 
 use super::profiles::Profiles;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Table, Value};
-use crate::horizon::Settings;
-use crate::horizon::exact::{Exact, Interval};
-use crate::horizon::sweep::grid::Major;
+use crate::scenes::Scene;
+use crate::{Table, Value};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::exact::{Exact, Interval};
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::report::statistics::Errors;
 
 /// The table that [`row`] fills.
 pub fn table() -> Table {

@@ -17,16 +17,16 @@ use rayon::prelude::*;
 
 use super::fritsch::mars;
 use super::tiles::Scratch;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Table, Value};
-use crate::geometry::{Body, BodyFixed, Geodetic, Position};
-use crate::horizon::Settings;
-use crate::horizon::measure::Sample;
-use crate::horizon::trace::Tracer;
-use crate::raster::{self, Band, Dem, GeoTiff};
-use crate::terrain::build::MAX_NODES_PER_SIDE;
-use crate::terrain::{Face, Gnomonic, NestedDem, build_face};
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::measure::Sample;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::raster::{self, Band, Dem, GeoTiff};
+use perilune_engine::report::statistics::Errors;
+use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
+use perilune_engine::terrain::{Face, Gnomonic, NestedDem, build_face};
 
 const REACH_M: f64 = 250_000.0;
 const MAST_M: f64 = 500.0;

@@ -1,12 +1,12 @@
 //! Every encoding on the same horizons: error of the skyline, of hard shadows and of penumbras, and what it costs.
 //!
 //! The truth is the sweep over all nodes of a patch in 360 azimuths, whose own error is a hundredth of what compression
-//! does ([`crate::horizon::sweep`]). Shadows are those of Fritsch et al. (2025): at a fixed elevation of the Sun, over 180
+//! does ([`perilune_engine::horizon::sweep`]). Shadows are those of Fritsch et al. (2025): at a fixed elevation of the Sun, over 180
 //! azimuths, a node is lit where its horizon is below the Sun's centre; the *pixel error rate* is the share of wrong ones.
 //! The structural similarity is that of the binary images, with uniform windows of 8² nodes each 4 nodes in place of
 //! Gaussian ones.
 //!
-//! With a *band* horizons are clamped about the Sun's elevation before the fit ([`crate::horizon::band`]), as for a
+//! With a *band* horizons are clamped about the Sun's elevation before the fit ([`perilune_engine::horizon::band`]), as for a
 //! scenario whose Sun stays there.
 //!
 //! # References
@@ -17,11 +17,11 @@ mod patch;
 mod summary;
 
 use super::shadows::{SUN_ELEVATIONS_DEG, shadows, sun_radius_rad};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::band::MARGIN_RADII;
-use crate::horizon::{Encoding, Settings};
-use crate::pipeline::Progress;
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::band::MARGIN_RADII;
+use perilune_engine::horizon::{Encoding, Settings};
+use perilune_engine::pipeline::Progress;
 
 pub use patch::{Patch, Suns, decoded};
 use patch::{bounds, stored_bytes};

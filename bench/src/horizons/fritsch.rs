@@ -12,14 +12,14 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::tiles::{ENCODINGS, Scratch};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::{Error, Table, Value};
-use crate::geometry::{Body, Geodetic};
-use crate::horizon::request::Request;
-use crate::horizon::{self, Method, Settings};
-use crate::pipeline::Progress;
-use crate::terrain::synthetic::{self, Parameters};
-use crate::terrain::{Face, Gnomonic, Level};
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::horizon::request::Request;
+use perilune_engine::horizon::{self, Method, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::terrain::synthetic::{self, Parameters};
+use perilune_engine::terrain::{Face, Gnomonic, Level};
 
 /// Tiles that are made.
 pub const MEASURED: usize = 24;

@@ -5,8 +5,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use super::tiles::Scratch;
-use crate::evaluate::machine::peak_memory_mib_of;
-use crate::evaluate::{Error, Table, Value};
+use crate::{Error, Table, Value};
+use perilune_engine::report::machine::peak_memory_mib_of;
 
 /// How often a process is asked for its peak.
 const EVERY: Duration = Duration::from_millis(5);

@@ -12,11 +12,11 @@ use std::process::Command;
 
 use super::speed::searched;
 use super::tiles::Scratch;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::median;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::{Method, Settings};
-use crate::raster::{Band, GeoTiff};
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::{Method, Settings};
+use perilune_engine::raster::{Band, GeoTiff};
+use perilune_engine::report::statistics::median;
 
 /// The table that [`rows`] fill.
 pub fn table() -> Table {

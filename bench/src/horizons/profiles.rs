@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::Settings;
-use crate::horizon::method::Search;
-use crate::horizon::sweep::grid::Major;
-use crate::horizon::trace::Tracer;
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::method::Search;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::report::statistics::Errors;
 
 /// Horizons of some pixels, `[pixel][azimuth]`, in radians.
 pub type Profiles = Vec<Vec<f64>>;

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 
 use super::profiles::Profiles;
-use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Table, Value};
-use crate::photometry::{LimbDarkening, SolarDisk};
-use crate::quantity::SOLAR_RADIUS_M;
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::quantity::SOLAR_RADIUS_M;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
+use perilune_engine::report::statistics::Errors;
 
 pub const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
 const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;

@@ -3,15 +3,15 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::evaluate::machine::thread_seconds;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::median;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::measure::Sample;
-use crate::horizon::method::Search;
-use crate::horizon::sweep::grid::Major;
-use crate::horizon::trace::Tracer;
-use crate::horizon::{Method, Settings};
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::measure::Sample;
+use perilune_engine::horizon::method::Search;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{Method, Settings};
+use perilune_engine::report::machine::thread_seconds;
+use perilune_engine::report::statistics::median;
 
 /// Pixels that the trace is timed on: it is slow, and as slow for each of them.
 const TRACED_PIXELS: usize = 24;

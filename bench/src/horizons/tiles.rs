@@ -7,11 +7,11 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::profiles::Profiles;
-use crate::evaluate::machine::{forget_peak_memory, peak_memory_mib};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::{self, Encoding, Request, Settings};
-use crate::pipeline::Progress;
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::{self, Encoding, Request, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::report::machine::{forget_peak_memory, peak_memory_mib};
 
 pub const ENCODINGS: [Encoding; 3] = [Encoding::Fm16, Encoding::W16, Encoding::W21];
 
@@ -72,7 +72,7 @@ pub fn tile(
 
 /// A folder that is gone when it is no longer needed.
 #[derive(Debug)]
-pub(in crate::evaluate) struct Scratch {
+pub(crate) struct Scratch {
     pub path: PathBuf,
 }
 

@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 use hifitime::{Epoch, Unit};
 
 use super::Row;
-use crate::ephemeris::{Almanac, BodyFrame, earth, parse_epoch, sun};
-use crate::evaluate::Error;
-use crate::geometry::{BodyFixed, Position};
-use crate::photometry::LimbDarkening;
-use crate::pipeline::lights::sun_left_by_earth;
+use crate::Error;
+use perilune_engine::ephemeris::{Almanac, BodyFrame, earth, parse_epoch, sun};
+use perilune_engine::geometry::{BodyFixed, Position};
+use perilune_engine::photometry::LimbDarkening;
+use perilune_engine::pipeline::lights::sun_left_by_earth;
 
 /// An eclipse with its published contacts, hours, minutes and seconds of UT1.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +55,7 @@ pub fn rows(data: &[PathBuf]) -> Result<Vec<Row>, Error> {
     for eclipse in &ECLIPSES {
         for (index, (name, time)) in NAMES.into_iter().zip(eclipse.contacts).enumerate() {
             let published =
-                parse_epoch(&format!("{}T{time} UTC", eclipse.date)).map_err(crate::pipeline::Error::from)?;
+                parse_epoch(&format!("{}T{time} UTC", eclipse.date)).map_err(perilune_engine::pipeline::Error::from)?;
             let late_s = (moon.contact(index, published)? - published).to_unit(Unit::Second);
             rows.push(Row {
                 quantity: format!("contact {name} of the lunar eclipse of {} after the published one", eclipse.date),
@@ -78,8 +78,8 @@ struct Moon {
 impl Moon {
     fn load(folder: &Path) -> Result<Self, Error> {
         let paths: Vec<PathBuf> = KERNELS.iter().map(|name| folder.join(name)).collect();
-        let almanac = Almanac::load(&paths).map_err(crate::pipeline::Error::from)?;
-        let frame = almanac.body_frame("moon", None).map_err(crate::pipeline::Error::from)?;
+        let almanac = Almanac::load(&paths).map_err(perilune_engine::pipeline::Error::from)?;
+        let frame = almanac.body_frame("moon", None).map_err(perilune_engine::pipeline::Error::from)?;
         Ok(Self { almanac, frame })
     }
 
@@ -104,8 +104,9 @@ impl Moon {
     /// Share of the Sun's light at the point of the sphere farthest (1) from the shadow's axis, or nearest (−1).
     fn share(&self, side: f64, epoch: Epoch) -> Result<f64, Error> {
         let seen = |point: Position<BodyFixed>| {
-            let sun = sun(&self.almanac, &self.frame, point, epoch).map_err(crate::pipeline::Error::from)?;
-            let earth = earth(&self.almanac, &self.frame, point, epoch).map_err(crate::pipeline::Error::from)?;
+            let sun = sun(&self.almanac, &self.frame, point, epoch).map_err(perilune_engine::pipeline::Error::from)?;
+            let earth =
+                earth(&self.almanac, &self.frame, point, epoch).map_err(perilune_engine::pipeline::Error::from)?;
             Ok::<_, Error>((sun, earth))
         };
         let (sun, earth) = seen(Position::from_m(glam::DVec3::ZERO))?;

@@ -16,19 +16,19 @@ use serde::{Deserialize, Serialize};
 use super::methods::{MethodFactory, outside_domain};
 use super::truth::{ERRORS, Truth};
 use super::{Options, Trial, comparable, picture, traced_settings, trial};
-use crate::evaluate::kept::Kept;
-use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::report::Picture;
-use crate::evaluate::statistics::median;
-use crate::evaluate::{Error, Machine, Report, Table, Value};
-use crate::gpu::{Adapter, Gpu};
-use crate::horizon::HorizonMap;
-use crate::pipeline::{self, Prepared, Progress, motion};
-use crate::quantity::ASTRONOMICAL_UNIT_M;
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
-use crate::render::{Renderer, Scene, View};
-use crate::scenario::{FixedSun, Scenario};
+use crate::kept::Kept;
+use crate::{Error, Machine, Report, Table, Value};
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::horizon::HorizonMap;
+use perilune_engine::pipeline::{self, Prepared, Progress, motion};
+use perilune_engine::quantity::ASTRONOMICAL_UNIT_M;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Scene, View};
+use perilune_engine::report::Picture;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
+use perilune_engine::report::statistics::median;
+use perilune_engine::scenario::{FixedSun, Scenario};
 
 /// Elevations of the Sun's centre in a quick run, in degrees.
 pub const QUICK_DEG: [f64; 3] = [1.5, 6.0, 15.0];
@@ -110,7 +110,7 @@ impl<'a> Bench<'a> {
         let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
         let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
         let maps = scene.shadows.maps().unwrap_or_default().to_vec();
-        let sky = crate::ephemeris::horizontal(
+        let sky = perilune_engine::ephemeris::horizontal(
             &prepared.frame.body,
             prepared.ground.centre,
             prepared.exposures[options.exposure].sun.direction,

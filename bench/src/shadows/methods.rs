@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::evaluate::Error;
-use crate::horizon::{Encoding, HorizonMap, Memory, Settings};
-use crate::pipeline::{self, Prepared, Progress, auto, ground};
-use crate::shadow::method::Bench;
-use crate::shadow::{Ingredients, ShadowMethod, registry};
+use crate::Error;
+use perilune_engine::horizon::{Encoding, HorizonMap, Memory, Settings};
+use perilune_engine::pipeline::{self, Prepared, Progress, auto, ground};
+use perilune_engine::shadow::method::Bench;
+use perilune_engine::shadow::{Ingredients, ShadowMethod, registry};
 
 /// What is tried where nobody asks for more.
 pub fn usual() -> Vec<&'static str> {

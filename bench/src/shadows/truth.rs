@@ -7,14 +7,14 @@ use glam::DVec2;
 
 use super::methods::MethodFactory;
 use super::{Comparison, Trial, compare, level_of, trial};
-use crate::evaluate::images::{Grid, edges, flip, ssim};
-use crate::evaluate::statistics::{Errors, median};
-use crate::evaluate::{Error, Value};
-use crate::render::planes::Radiometry;
-use crate::render::reference::Reference;
-use crate::render::{Quantity, Scene, View};
-use crate::scenario::Scenario;
-use crate::shadow::registry;
+use crate::{Error, Value};
+use perilune_engine::image_metrics::{Grid, edges, flip, ssim};
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Scene, View};
+use perilune_engine::report::statistics::{Errors, median};
+use perilune_engine::scenario::Scenario;
+use perilune_engine::shadow::registry;
 
 /// Columns of what [`Truth::errors`] gives.
 pub(super) const ERRORS: [(&str, &str); 8] = [
@@ -113,7 +113,7 @@ fn towards_sun(scene: &Scene, view: &View, trial: &Trial) -> Option<DVec2> {
     let here = hit.position.vector_m();
     let ahead = (view.lights[0].position.vector_m() - here).reject_from(here.normalize()).try_normalize()?;
     let pixel = |point: glam::DVec3| {
-        let seen = crate::geometry::Direction::new(point - camera_m)?;
+        let seen = perilune_engine::geometry::Direction::new(point - camera_m)?;
         scene.optics.pixel(view.camera_from_body * seen)
     };
     (pixel(here + 1e-3 * hit.distance_m * ahead)? - pixel(here)?).try_normalize()

@@ -12,19 +12,19 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::{Options, timed};
-use crate::evaluate::horizons::tiles::Scratch;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::stability::scenes::sun;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::decode::Decoder;
-use crate::horizon::trace::Tracer;
-use crate::horizon::{self, Encoding, HorizonMap, Request, Settings};
-use crate::pipeline::Progress;
-use crate::render::RenderError;
-use crate::shadow::skylines::Field;
-use crate::shadow::towards_sun::{Edge, SingleAzimuth, Swept};
-use crate::shadow::{QuantizedLight, SkylineSource, SurfacePoints};
-use crate::terrain::{Surface, Terrain};
+use crate::horizons::tiles::Scratch;
+use crate::scenes::Scene;
+use crate::stability::scenes::sun;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::decode::Decoder;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::render::RenderError;
+use perilune_engine::shadow::skylines::Field;
+use perilune_engine::shadow::towards_sun::{Edge, SingleAzimuth, Swept};
+use perilune_engine::shadow::{QuantizedLight, SkylineSource, SurfacePoints};
+use perilune_engine::terrain::{Surface, Terrain};
 
 /// Nodes a side; frames per second of the method and of 16 azimuths on a Quadro 6000, and seconds before the first.
 const PRINTED: [(usize, f64, f64, f64); 3] =

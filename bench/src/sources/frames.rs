@@ -15,22 +15,22 @@ use std::time::Instant;
 use glam::{DQuat, DVec2, DVec3};
 
 use super::Options;
-use crate::camera::Camera as Optics;
-use crate::evaluate::horizons::tiles::Scratch;
-use crate::evaluate::scenes::Scene as Ground;
-use crate::evaluate::shadows::compare;
-use crate::evaluate::stability::scenes::{SOLAR_IRRADIANCE_W_M2, pinhole, scene, sun};
-use crate::evaluate::{Error, Table, Value};
-use crate::geometry::{Position, Rotation};
-use crate::gpu::Gpu;
-use crate::horizon::{self, Encoding, HorizonMap, Request, Settings};
-use crate::pipeline::Progress;
-use crate::render::passes::Passes;
-use crate::render::planes::Radiometry;
-use crate::render::reference::Reference;
-use crate::render::{Quantity, Renderer, Scene, View};
-use crate::shadow::{Ingredients, ShadowMethod, registry};
-use crate::terrain::{Ground as Kind, Surface, Terrain};
+use crate::horizons::tiles::Scratch;
+use crate::scenes::Scene as Ground;
+use crate::shadows::compare;
+use crate::stability::scenes::{SOLAR_IRRADIANCE_W_M2, pinhole, scene, sun};
+use crate::{Error, Table, Value};
+use perilune_engine::camera::Camera as Optics;
+use perilune_engine::geometry::{Position, Rotation};
+use perilune_engine::gpu::Gpu;
+use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Scene, View};
+use perilune_engine::shadow::{Ingredients, ShadowMethod, registry};
+use perilune_engine::terrain::{Ground as Kind, Surface, Terrain};
 
 const SUN_DEG: f64 = 6.0;
 const AZIMUTH_RAD: f64 = 0.7;
@@ -148,8 +148,9 @@ impl Set {
         let mut scene = set.scene(SMALL, registry::reference(Settings::default()));
         scene.quantities = vec![Quantity::DemGap];
         let samples = Reference.samples(&scene, &set.view(0.0))?;
-        let is_ground =
-            |hit: &Option<crate::terrain::Hit>| hit.as_ref().is_some_and(|hit| matches!(hit.ground, Kind::Dem { .. }));
+        let is_ground = |hit: &Option<perilune_engine::terrain::Hit>| {
+            hit.as_ref().is_some_and(|hit| matches!(hit.ground, Kind::Dem { .. }))
+        };
         set.on_ground = samples.centres.iter().map(is_ground).collect();
         set.truth = samples.pixels;
         Ok(set)
@@ -175,7 +176,7 @@ impl Set {
             folder: &folder.path,
             progress: &|_, _, _| (),
         });
-        prepared.map_err(|error| crate::pipeline::Error::from(error).into())
+        prepared.map_err(|error| perilune_engine::pipeline::Error::from(error).into())
     }
 
     /// Obliquely towards map +Y, the Sun turned a little about the pole.

@@ -13,17 +13,17 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Options, quantile};
-use crate::evaluate::horizons::encodings::{AZIMUTHS, Patch, SUNS, decoded};
-use crate::evaluate::images::{Grid, flip, ssim};
-use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::{Error, Table, Value};
-use crate::horizon::settings::direction;
-use crate::horizon::{Encoding, Horizon, Settings};
-use crate::photometry::{LimbDarkening, SolarDisk};
-use crate::pipeline::Progress;
-use crate::shadow::horizon_maps::Visibility;
-use crate::shadow::horizon_maps::visibility::DiscGeometry;
+use crate::horizons::encodings::{AZIMUTHS, Patch, SUNS, decoded};
+use crate::scenes::Scene;
+use crate::{Error, Table, Value};
+use perilune_engine::horizon::settings::direction;
+use perilune_engine::horizon::{Encoding, Horizon, Settings};
+use perilune_engine::image_metrics::{Grid, flip, ssim};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
+use perilune_engine::shadow::horizon_maps::Visibility;
+use perilune_engine::shadow::horizon_maps::visibility::DiscGeometry;
 
 /// What the figures compare, the baseline first.
 const ENCODINGS: [Encoding; 8] = [

@@ -8,10 +8,10 @@
 //! Jung, Schrempf & Son (2020), Optimally fast soft shadows on curved terrain with dynamic programming and maximum
 //! mipmaps; Hestroffer & Magnan (1998), A&A 333, 338.
 
-use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Table, Value};
-use crate::photometry::{LimbDarkening, SolarDisk};
+use crate::{Error, Table, Value};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::report::plot::{Axis, Curve, Plot};
+use perilune_engine::report::statistics::Errors;
 
 /// Of the WAC's band that Sato et al. (2014) take.
 const WAVELENGTH_NM: f64 = 643.0;

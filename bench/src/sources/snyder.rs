@@ -18,22 +18,22 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::Options;
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::stability::scenes::{Grid, flat_body, sun};
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Table, Value};
-use crate::gpu::Gpu;
-use crate::horizon::Settings;
-use crate::horizon::settings::direction;
-use crate::horizon::trace::Tracer;
-use crate::pipeline::Progress;
-use crate::render::{Light, RenderError};
-use crate::shadow::multiscale::Multiscale;
-use crate::shadow::multiscale::device::OnDevice;
-use crate::shadow::sky::{Harmonics, Wedges};
-use crate::shadow::skylines::Skyline;
-use crate::shadow::{FieldMaker, QuantizedLight, SurfacePoints};
-use crate::terrain::{Level, Terrain};
+use crate::scenes::Scene;
+use crate::stability::scenes::{Grid, flat_body, sun};
+use crate::{Error, Table, Value};
+use perilune_engine::gpu::Gpu;
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::settings::direction;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::pipeline::Progress;
+use perilune_engine::render::{Light, RenderError};
+use perilune_engine::report::statistics::Errors;
+use perilune_engine::shadow::multiscale::Multiscale;
+use perilune_engine::shadow::multiscale::device::OnDevice;
+use perilune_engine::shadow::sky::{Harmonics, Wedges};
+use perilune_engine::shadow::skylines::Skyline;
+use perilune_engine::shadow::{FieldMaker, QuantizedLight, SurfacePoints};
+use perilune_engine::terrain::{Level, Terrain};
 
 /// A cone of 45° in the middle of 128² nodes of 1 m.
 const HEIGHT_M: f64 = 20.0;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::render::planes::Radiometry;
-use crate::render::{Samples, Scene, View};
-use crate::terrain::Ground;
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::{Samples, Scene, View};
+use perilune_engine::terrain::Ground;
 
 /// The error that a method makes in a case, from its images of all views.
 pub type Judge = Box<dyn Fn(&[Samples]) -> f64>;

@@ -1,6 +1,6 @@
 //! Hard cases of the list that no shadow method can fail, and the tests that they are instead.
 
-use crate::evaluate::Table;
+use crate::Table;
 
 /// Numbers of the list, what they are about, and where that is tested.
 pub const ELSEWHERE: [(&str, &str, &str); 22] = [
@@ -50,7 +50,7 @@ pub fn table() -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::stability::cases;
+    use crate::stability::cases;
 
     #[test]
     fn each_of_the_52_is_a_case_or_a_test_elsewhere() {

@@ -4,15 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::{Case, Outcome};
-use crate::evaluate::Error;
-use crate::gpu::Gpu;
-use crate::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings};
-use crate::pipeline;
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
-use crate::render::{Renderer, View};
-use crate::shadow::{Ingredients, MethodOptions, ShadowMethod, registry};
-use crate::terrain::{Face, Surface};
+use crate::Error;
+use perilune_engine::gpu::Gpu;
+use perilune_engine::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings};
+use perilune_engine::pipeline;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, View};
+use perilune_engine::shadow::{Ingredients, MethodOptions, ShadowMethod, registry};
+use perilune_engine::terrain::{Face, Surface};
 
 /// Azimuths of the horizon maps.
 const AZIMUTHS: usize = 120;

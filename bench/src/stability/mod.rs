@@ -10,7 +10,7 @@
 //! ```
 //!
 //! # Assumptions
-//! A method's domain is its own word ([`crate::shadow::Domain`]). Truth of
+//! A method's domain is its own word ([`perilune_engine::shadow::Domain`]). Truth of
 //! cases without a closed form is the tracer's, which is checked by those with one.
 
 pub mod case;
@@ -22,11 +22,11 @@ pub mod scenes;
 use std::path::Path;
 
 use super::{Error, Machine, Report, Table, Value};
-use crate::gpu::{Adapter, Gpu};
-use crate::pipeline::Progress;
-use crate::shadow::registry;
 pub use case::{Case, Outcome};
 use methods::MethodFactory;
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::shadow::registry;
 
 /// Outcomes of a case: a row a method, the reference renderer's and the device's.
 type Outcomes = Vec<[Option<Outcome>; 2]>;

@@ -2,13 +2,13 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::camera::Camera as Optics;
-use crate::geometry::{Body, BodyFixed, Geodetic, Position, Rotation};
-use crate::photometry::{LimbDarkening, Reflectance, SolarDisk};
-use crate::render::planes::Radiometry;
-use crate::render::{Light, Quantity, Samples, Scene, View};
-use crate::shadow::registry;
-use crate::terrain::{Face, Gnomonic, Ground, Hit, Level, Surface, Terrain};
+use perilune_engine::camera::Camera as Optics;
+use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position, Rotation};
+use perilune_engine::photometry::{LimbDarkening, Reflectance, SolarDisk};
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::{Light, Quantity, Samples, Scene, View};
+use perilune_engine::shadow::registry;
+use perilune_engine::terrain::{Face, Gnomonic, Ground, Hit, Level, Surface, Terrain};
 
 /// Angular radius of the Sun at 1 au, rounded as in the tables of expected values.
 pub const SOLAR_RADIUS_RAD: f64 = 0.004_650_48;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::pipeline::error::wraps_stages;
+use crate::wraps_stages;
 
 /// Any stage's error; the stages' own say what was met and what is allowed.
 #[derive(Debug, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum Error {
     #[error(transparent)]
     Pipeline(#[from] crate::pipeline::Error),
     #[error(transparent)]
-    Evaluate(#[from] crate::evaluate::Error),
+    Report(#[from] crate::report::Error),
     #[error(transparent)]
     Isd(#[from] crate::camera::IsdError),
     #[error("cannot read {path}")]

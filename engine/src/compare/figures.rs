@@ -5,8 +5,8 @@ use image::{Rgb, RgbImage};
 use super::numbers::{range, shown};
 use super::study::Comparison;
 use super::{Error, Grid};
-use crate::evaluate;
-use crate::evaluate::report::Picture;
+use crate::report;
+use crate::report::Picture;
 
 /// Grey of a pixel without a value.
 const MISSING: u8 = 96;
@@ -34,7 +34,7 @@ fn picture(name: &str, caption: &str, image: RgbImage) -> Result<Picture, Error>
     let mut png = std::io::Cursor::new(Vec::new());
     image
         .write_to(&mut png, image::ImageFormat::Png)
-        .map_err(|source| evaluate::Error::Png { name: name.into(), source })?;
+        .map_err(|source| report::Error::Png { name: name.into(), source })?;
     Ok(Picture { name: name.into(), caption: caption.into(), png: png.into_inner() })
 }
 

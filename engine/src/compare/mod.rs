@@ -25,7 +25,7 @@ pub mod request;
 pub mod scales;
 pub mod study;
 
-pub use crate::evaluate::images::{Grid, edges, flip, grid, statistics};
+pub use crate::image_metrics::{Grid, edges, flip, grid, statistics};
 pub use error::Error;
 pub use geometry::Geometry;
 pub use photometric::Model;

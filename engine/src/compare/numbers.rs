@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::statistics::{correlation, quantile, spread};
 use super::{Grid, flip};
-use crate::evaluate::images::ssim;
+use crate::image_metrics::ssim;
 
 /// Of a photograph and a registered render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

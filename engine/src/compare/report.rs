@@ -11,9 +11,9 @@ use super::pose::PoseFit;
 use super::study::{AlbedoSource, Comparison, SLOPE_SIGMA};
 use super::{Error, Freedom, figures};
 use crate::dataset;
-use crate::evaluate::plot::{Axis, Curve, Plot, escaped};
-use crate::evaluate::report::{Picture, STYLE, base64, table_html};
-use crate::evaluate::{Table, Value};
+use crate::report::page::{Picture, STYLE, base64, table_html};
+use crate::report::plot::{Axis, Curve, Plot, escaped};
+use crate::report::{Table, Value};
 
 /// Turns of photograph and render, one over the other.
 const BLINK_STYLE: &str = ".blink { position: relative; display: inline-block; } \

@@ -41,7 +41,7 @@ use crate::quantity::ASTRONOMICAL_UNIT_M;
 /// Files of the default set: positions, then constants.
 pub const DEFAULT_KERNELS: [&str; 2] = ["perilune_2020_2040.bsp", "perilune_iau.tpc"];
 /// Radii, rotations and masses, an excerpt of `pck00011.tpc` and `gm_de440.tpc`.
-const CONSTANTS: &str = include_str!("../../kernels/perilune_iau.tpc");
+const CONSTANTS: &str = include_str!("../../../kernels/perilune_iau.tpc");
 /// Mass of the Earth over that of the Moon. DE440.
 const EARTH_MOON_MASS_RATIO: f64 = 81.300_568_221_497_22;
 const ASTRONOMICAL_UNIT_KM: f64 = ASTRONOMICAL_UNIT_M / 1000.0;
@@ -211,7 +211,11 @@ pub fn default_kernel_folder() -> PathBuf {
         return folder.into();
     }
     let here = PathBuf::from("kernels");
-    if here.join(DEFAULT_KERNELS[0]).is_file() { here } else { concat!(env!("CARGO_MANIFEST_DIR"), "/kernels").into() }
+    if here.join(DEFAULT_KERNELS[0]).is_file() {
+        here
+    } else {
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../kernels").into()
+    }
 }
 
 /// The span of the default kernels: from, until.

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use serde::Deserialize;
 
-const MANIFEST: &str = include_str!("../../kernels/manifest.ron");
+const MANIFEST: &str = include_str!("../../../kernels/manifest.ron");
 
 /// One file of the manifest.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

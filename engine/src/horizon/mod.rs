@@ -40,6 +40,7 @@ pub mod sphere;
 pub mod store;
 pub mod sweep;
 pub mod trace;
+pub mod verify;
 
 pub use band::Band;
 pub use bound::{BoundStatistics, Bounds};

@@ -29,6 +29,7 @@ mod kernel;
 pub mod lit;
 pub mod maps;
 pub mod place;
+pub mod report;
 pub mod skylines;
 pub mod track;
 

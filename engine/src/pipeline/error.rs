@@ -69,6 +69,7 @@ pub enum Error {
 }
 
 /// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.
+#[macro_export]
 macro_rules! wraps_stages {
     ($error:ty: $($stage:ty),* $(,)?) => {$(
         impl From<$stage> for $error {
@@ -78,5 +79,3 @@ macro_rules! wraps_stages {
         }
     )*};
 }
-
-pub(crate) use wraps_stages;

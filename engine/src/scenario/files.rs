@@ -25,7 +25,7 @@ impl Places {
     /// program's source.
     pub fn of(scenario: &Path, data: &[PathBuf]) -> Self {
         let beside = scenario.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let source = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
         let fallback = std::env::var_os("SIM_DATA").map(PathBuf::from).unwrap_or_else(|| source.join("../shared/data"));
         Self {
             beside: beside.to_path_buf(),

@@ -23,7 +23,7 @@ fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
     let mut candidates = vec![name.to_path_buf()];
     if name.components().count() == 1 {
         candidates.push(Path::new("scenarios").join(name));
-        candidates.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name));
+        candidates.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name));
     }
     candidates.iter().find(|path| path.exists()).cloned().ok_or_else(|| ScenarioError::NotFound {
         name: name.display().to_string(),

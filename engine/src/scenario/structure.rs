@@ -184,11 +184,6 @@ impl<'a> Check<'a> {
 }
 
 /// Whether a variant is no older spelling.
-pub fn is_current(variant: &Json) -> bool {
-    variant.get("deprecated").and_then(Json::as_bool) != Some(true)
-}
-
-/// Whether a variant is no older spelling.
 pub(super) fn is_current(variant: &Json) -> bool {
     variant.get("deprecated").and_then(Json::as_bool) != Some(true)
 }

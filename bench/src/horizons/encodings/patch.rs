@@ -5,16 +5,16 @@ use rayon::prelude::*;
 
 use super::super::tiles::Scratch;
 use super::{AZIMUTHS, SUNS};
-use crate::evaluate::scenes::Scene;
-use crate::evaluate::statistics::Errors;
-use crate::evaluate::{Error, Value};
-use crate::horizon::bound::{self, Bounds};
-use crate::horizon::decode::Decoder;
-use crate::horizon::fit::{Accumulator, Plane};
-use crate::horizon::store::{self, Header};
-use crate::horizon::sweep::Sweep;
-use crate::horizon::sweep::grid::Major;
-use crate::horizon::{Encoding, HorizonMap, Request, Settings};
+use crate::scenes::Scene;
+use crate::{Error, Value};
+use perilune_engine::horizon::bound::{self, Bounds};
+use perilune_engine::horizon::decode::Decoder;
+use perilune_engine::horizon::fit::{Accumulator, Plane};
+use perilune_engine::horizon::store::{self, Header};
+use perilune_engine::horizon::sweep::Sweep;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::{Encoding, HorizonMap, Request, Settings};
+use perilune_engine::report::statistics::Errors;
 
 /// Elevation of the Suns of the images whose similarity is measured, the first of them and every how many one is: between
 /// the azimuths that the sampled encodings hold, multiples of 22.5°, 30° and 45°.

@@ -2,9 +2,9 @@
 
 use super::super::shadows::SUN_ELEVATIONS_DEG;
 use super::{BASELINE, Tables};
-use crate::evaluate::plot::{Axis, Curve, Plot};
-use crate::evaluate::{Table, Value};
-use crate::horizon::Encoding;
+use crate::{Table, Value};
+use perilune_engine::horizon::Encoding;
+use perilune_engine::report::plot::{Axis, Curve, Plot};
 
 /// Columns of the ratios in the table of shadows: of pixel error rates, of the RMS in penumbras, and of that everywhere.
 const RATIOS: [usize; 3] = [4, 6, 8];

@@ -7,14 +7,14 @@ use glam::DVec2;
 use super::super::Case;
 use super::super::scenes::{Grid, Row, flat_body, map, sun};
 use super::{Passage, WEST_RAD, passage_case, step};
-use crate::render::Light;
+use perilune_engine::render::Light;
 
 pub fn cases() -> Vec<Case> {
     vec![foot(), oblique(), high(), ridges(), tip()]
 }
 
 /// Postings of 20 m; the cliff's edge is 4 km long.
-fn cliff(height_m: f64) -> crate::terrain::Terrain {
+fn cliff(height_m: f64) -> perilune_engine::terrain::Terrain {
     let grid = Grid { west_m: -400.0, south_m: -2000.0, columns: 141, rows: 201, posting_m: 20.0 };
     grid.terrain(&flat_body(), step(height_m))
 }

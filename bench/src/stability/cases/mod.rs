@@ -12,11 +12,11 @@ use std::f64::consts::FRAC_PI_2;
 use super::Case;
 use super::case::Judge;
 use super::scenes::{Row, scene};
-use crate::geometry::Body;
-use crate::render::reference::Reference;
-use crate::render::{Light, Renderer, Samples, Scene, View};
-use crate::shadow::registry::reference;
-use crate::terrain::Terrain;
+use perilune_engine::geometry::Body;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Light, Renderer, Samples, Scene, View};
+use perilune_engine::shadow::registry::reference;
+use perilune_engine::terrain::Terrain;
 
 /// Where the Sun of most cases stands: its light travels towards map +X.
 const WEST_RAD: f64 = -FRAC_PI_2;

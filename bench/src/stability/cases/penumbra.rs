@@ -9,8 +9,8 @@ use super::super::scenes::{
     Grid, Row, SOLAR_IRRADIANCE_W_M2, SOLAR_RADIUS_RAD, disk, flat_body, map, nadir, pinhole, scene, sun,
 };
 use super::{Passage, WEST_RAD, passage_case, shares, step};
-use crate::render::{Light, Samples};
-use crate::terrain::Terrain;
+use perilune_engine::render::{Light, Samples};
+use perilune_engine::terrain::Terrain;
 
 pub fn cases() -> Vec<Case> {
     vec![tangent(), product(), darkened(), tiny(), large(), slope()]

@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use super::super::Case;
 use super::super::scenes::{Grid, Row, cube, flat_body, level, light, map, nadir, pinhole, scene, sun, towards_centre};
 use super::{Passage, WEST_RAD, against_traced, moon, passage_case, shares, step};
-use crate::geometry::Geodetic;
-use crate::render::Samples;
-use crate::terrain::{Face, Gnomonic, Terrain};
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::render::Samples;
+use perilune_engine::terrain::{Face, Gnomonic, Terrain};
 
 pub fn cases() -> Vec<Case> {
     vec![hole(), beyond(), pole(), seam(), symmetric(), handed()]

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::Case;
 use super::super::scenes::{Grid, Row, flat_body, map, nadir, pinhole, scene, sun};
 use super::{Passage, WEST_RAD, against_traced, moon, passage_case, shares};
-use crate::geometry::Body;
+use perilune_engine::geometry::Body;
 
 pub fn cases() -> Vec<Case> {
     let small = Body { name: "small".into(), naif_id: 0, equatorial_radius_m: 2e4, polar_radius_m: 2e4 };

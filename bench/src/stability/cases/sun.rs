@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 use super::super::Case;
 use super::super::scenes::{Grid, flat_body, level, light, map, nadir, pinhole, scene, sun, waves};
 use super::{moon, shares};
-use crate::render::{Samples, View};
-use crate::terrain::Terrain;
+use perilune_engine::render::{Samples, View};
+use perilune_engine::terrain::Terrain;
 
 pub fn cases() -> Vec<Case> {
     vec![zenith(), below(), wrap()]
@@ -62,7 +62,7 @@ fn below() -> Case {
 fn wrap() -> Case {
     let map = map(&moon());
     let levels = vec![level(&map, 40.0, 60, 0, &waves(2300.0, 110.0))];
-    let terrain = Terrain { body: moon(), faces: vec![crate::terrain::Face { map: map.clone(), levels }] };
+    let terrain = Terrain { body: moon(), faces: vec![perilune_engine::terrain::Face { map: map.clone(), levels }] };
     let view = |azimuth_rad: f64| -> View { nadir(&map, DVec2::ZERO, 3000.0, sun(&map, azimuth_rad, 0.1)) };
     Case {
         number: 22,

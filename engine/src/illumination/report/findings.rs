@@ -1,12 +1,12 @@
 //! What was mapped, and what was found, as a report.
 
 use super::{pictures, plots};
-use crate::evaluate::{Error, Machine, Report, Table, Value};
 use crate::geometry::Geodetic;
 use crate::illumination::area::{AreaSummary, Series, Spread};
 use crate::illumination::check::{Check, Errors};
 use crate::illumination::place::{Moment, Summary};
 use crate::illumination::{Maps, Place, Track};
+use crate::report::{Error, Machine, Report, Table, Value};
 
 /// A place as it was named, with its light.
 #[derive(Debug)]

@@ -1,7 +1,6 @@
 //! Illumination of areas and places as tables, plots, pictures and series.
 
 pub mod findings;
-pub mod percentages;
 mod pictures;
 mod plots;
 pub mod series;

@@ -4,9 +4,9 @@ use std::io::Cursor;
 
 use image::{ImageFormat, Rgb, RgbImage};
 
-use crate::evaluate::Error;
-use crate::evaluate::report::Picture;
 use crate::illumination::Maps;
+use crate::report::Error;
+use crate::report::Picture;
 
 /// What was not mapped.
 const MISSING: Rgb<u8> = Rgb([70, 78, 100]);

@@ -1,8 +1,8 @@
 //! The sky of a place, and the light of an area by time.
 
 use super::findings::{Lot, Named};
-use crate::evaluate::plot::{Axis, Curve, Plot};
 use crate::illumination::Track;
+use crate::report::plot::{Axis, Curve, Plot};
 
 /// Points of a curve by time; between them, the least and the most are shown.
 const BINS: usize = 400;

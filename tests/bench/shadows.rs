@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use perilune::evaluate::Value;
-use perilune::evaluate::shadows::matrix;
-use perilune::evaluate::shadows::methods::{slow, usual};
-use perilune::evaluate::shadows::{Options, compare, reduced, run};
-use perilune::geometry::Position;
-use perilune::pipeline::{self, Silent};
-use perilune::render::Renderer;
-use perilune::render::reference::Reference;
-use perilune::scenario::{self, Scenario};
-use perilune::shadow::registry;
+use perilune_bench::shadows::matrix;
+use perilune_bench::shadows::methods::{slow, usual};
+use perilune_bench::shadows::{Options, compare, reduced, run};
+use perilune_engine::geometry::Position;
+use perilune_engine::pipeline::{self, Silent};
+use perilune_engine::render::Renderer;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::report::Value;
+use perilune_engine::scenario::{self, Scenario};
+use perilune_engine::shadow::registry;
 
 const SCENARIO: &str = "(
     title: \"A small highland under a fixed Sun\",

@@ -1,11 +1,11 @@
 //! Profiles of a small terrain, and the comparators on them.
 
-use perilune::evaluate::horizons::{curvature, errors, searched, shadows, traced};
-use perilune::evaluate::scenes::Scene;
-use perilune::geometry::{Body, BodyFixed, Geodetic, Position};
-use perilune::horizon::trace::Tracer;
-use perilune::horizon::{Settings, measure::Sample};
-use perilune::terrain::{Face, Pyramid};
+use perilune_bench::horizons::{curvature, errors, searched, shadows, traced};
+use perilune_bench::scenes::Scene;
+use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position};
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{Settings, measure::Sample};
+use perilune_engine::terrain::{Face, Pyramid};
 
 #[test]
 fn swept_profiles_are_those_of_the_same_pixels_and_azimuths() {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use perilune::evaluate::radiometry::{ECLIPSES, rows, run};
+use perilune_bench::radiometry::{ECLIPSES, rows, run};
 
 fn data() -> Vec<PathBuf> {
     vec![

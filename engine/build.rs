@@ -7,7 +7,7 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed=PERILUNE_COMMIT");
     // Unpacked inside another repository, that one's commit would say nothing.
-    let is_repository = git(&["rev-parse", "--show-prefix"]).is_some_and(|prefix| prefix.is_empty());
+    let is_repository = git(&["rev-parse", "--show-prefix"]).is_some_and(|prefix| prefix == "engine/");
     if std::env::var_os("PERILUNE_COMMIT").is_some() || !is_repository {
         return;
     }

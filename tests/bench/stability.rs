@@ -1,9 +1,9 @@
 //! Hard cases: what passes goes on passing, and what is wrong is seen to be wrong.
 
-use perilune::evaluate::stability::methods::{MethodFactory, outcome};
-use perilune::evaluate::stability::{Outcome, cases, run};
-use perilune::evaluate::{Report, Value};
-use perilune::pipeline::Silent;
+use perilune_bench::stability::methods::{MethodFactory, outcome};
+use perilune_bench::stability::{Outcome, cases, run};
+use perilune_engine::pipeline::Silent;
+use perilune_engine::report::{Report, Value};
 
 /// Methods, and how many cases they passed when this was written, in both renderers.
 const PASSED: [(&str, f64); 12] = [
@@ -55,10 +55,10 @@ fn a_planted_error_is_a_failure() {
     assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Pass(_)));
     let map = case.scene.surface.terrain.faces[0].map.clone();
     case.views[0].lights[0] =
-        perilune::evaluate::stability::scenes::sun(&map, -std::f64::consts::FRAC_PI_2, 3.25_f64.to_radians());
+        perilune_bench::stability::scenes::sun(&map, -std::f64::consts::FRAC_PI_2, 3.25_f64.to_radians());
     assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Fail(_)));
-    let mut renderer = perilune::render::reference::Reference;
-    let mut image = perilune::render::Renderer::samples(&mut renderer, &case.scene, &case.views[0]).unwrap();
+    let mut renderer = perilune_engine::render::reference::Reference;
+    let mut image = perilune_engine::render::Renderer::samples(&mut renderer, &case.scene, &case.views[0]).unwrap();
     image.pixels[7].sun_fraction = f32::NAN;
     assert_eq!(case.outcome(&[image]), Outcome::NotANumber);
 }

@@ -4,17 +4,19 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use hifitime::{Epoch, Unit};
-use perilune::ephemeris::Almanac;
-use perilune::evaluate::Value;
-use perilune::evaluate::illumination::percentages;
-use perilune::geometry::{Body, Geodetic};
-use perilune::horizon::trace::Tracer;
-use perilune::horizon::{self, Encoding, Request, Settings};
-use perilune::illumination::{Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best};
-use perilune::photometry::{LimbDarkening, SolarDisk};
-use perilune::pipeline::Silent;
-use perilune::raster::{Dem, Options};
-use perilune::terrain::{Face, Gnomonic, Level};
+use perilune_bench::illumination as percentages;
+use perilune_engine::ephemeris::Almanac;
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{self, Encoding, Request, Settings};
+use perilune_engine::illumination::{
+    Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best,
+};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::pipeline::Silent;
+use perilune_engine::raster::{Dem, Options};
+use perilune_engine::report::Value;
+use perilune_engine::terrain::{Face, Gnomonic, Level};
 
 const RADIUS_RAD: f64 = 0.00465;
 
@@ -75,7 +77,7 @@ fn mapped(face: &Face, encoding: Encoding, lit: Lit) -> Maps {
 /// By skylines that are swept for it.
 fn swept(face: &Face, azimuths: usize, areas: &[Vec<bool>]) -> (Maps, Vec<Series>) {
     let settings = Settings { azimuths, ..Settings::default() };
-    let held = perilune::illumination::maps::needed_blocks(&face.levels[0], areas);
+    let held = perilune_engine::illumination::maps::needed_blocks(&face.levels[0], areas);
     let skylines = Skylines::Swept(Swept::new(face, 0, &settings, held, &|_, _| {}).unwrap());
     studied(face, &skylines, Lit::AnyLimb, areas)
 }
