@@ -50,9 +50,6 @@ pub struct Options {
 /// Shares of the disc nearer than this to none or all of it are not penumbra: the error of the truth's columns.
 const PENUMBRA: f64 = 1e-3;
 
-/// The method whose nodes hold swept skylines.
-const SWATH: &str = "swath";
-
 /// How a method differs from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
@@ -158,8 +155,8 @@ fn level_of(hit: &Option<Hit>) -> Option<(usize, usize)> {
     }
 }
 
-/// Errors where each level of the terrain is seen. What a method with skylines at the nodes errs beyond `swath`, whose nodes hold
-/// the swept ones, its encoding does; the rest is interpolated between nodes.
+/// Errors where each level of the terrain is seen. What a method with skylines at the nodes errs beyond the one whose
+/// nodes hold swept ones, its encoding does; the rest is interpolated between nodes.
 fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) -> Table {
     let columns = [
         ("posting", "m"),
@@ -174,7 +171,8 @@ fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) 
     let mut seen: Vec<_> = truth.samples.centres.iter().filter_map(level_of).collect();
     seen.sort_unstable();
     seen.dedup();
-    let swath = trials.iter().find(|trial| trial.method.starts_with(SWATH));
+    let uncompressed = registry::uncompressed_at_nodes();
+    let swept = trials.iter().find(|trial| uncompressed.is_some_and(|name| trial.method.starts_with(name)));
     for (face, level) in seen {
         let here: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit) == Some((face, level))).collect();
         let posting_m = prepared.ground.surface.terrain.faces[face].levels[level].posting_m;
@@ -184,7 +182,7 @@ fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) 
             let mut row = vec![posting_m.into(), trial.method.as_str().into()];
             let shares = [found.ground as f64 / here.len() as f64, found.agreement].map(|share| 100.0 * share);
             row.extend(shares.into_iter().chain([found.irradiance.rms, found.penumbra.rms]).map(Value::from));
-            row.push(swath.map(|swath| against(swath).irradiance.rms).into());
+            row.push(swept.map(|swept| against(swept).irradiance.rms).into());
             table.rows.push(row);
         }
     }

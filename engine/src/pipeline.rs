@@ -362,7 +362,7 @@ fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progr
         AdapterChoice::Cpu => Ok(None),
         AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
         AdapterChoice::Auto if is_for_host(scenario) => {
-            progress.say("these shadows are the reference renderer's: rendering on the CPU");
+            progress.say("shadows that devices do not have: rendering with the reference renderer on the CPU");
             Ok(None)
         }
         AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {

@@ -111,7 +111,7 @@ fn skylines_towards_the_sun_light_what_traced_skylines_light() {
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     println!("hard: {same} {mean}");
     assert!(same > 0.98 && mean < 0.03, "hard: {same} {mean}");
-    scene.shadows = registry::off();
+    scene.shadows = registry::no_shadows();
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     assert!(same < 0.9 && mean > 0.1, "the comparison sees no shadows at all: {same} {mean}");
 }

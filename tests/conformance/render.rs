@@ -36,7 +36,7 @@ fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
     let focal_px = f64::from(columns) / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
     Scene {
         surface: Surface::new(terrain),
-        shadows: registry::off(),
+        shadows: registry::no_shadows(),
         refine: None,
         view_rays: Default::default(),
         reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },

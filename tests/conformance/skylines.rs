@@ -89,7 +89,7 @@ fn baking_changes_no_share_of_the_sun_that_matters() {
         scene.shadows = Arc::new(HorizonMaps::at_nodes(maps));
         let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
         assert!(largest < allowed.0 && mean < allowed.1, "{encoding:?}: {largest} {mean}");
-        scene.shadows = registry::off();
+        scene.shadows = registry::no_shadows();
         let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
         assert!(largest > 0.9 && mean > 0.1, "the comparison sees no shadows at all: {largest} {mean}");
     }

@@ -46,7 +46,7 @@ fn the_pass_finds_the_lighting_factors_of_the_reference() {
         }
         // The comparison sees where shadows are missing.
         let shadowed = Reference.samples(&scene, &view).unwrap();
-        scene.shadows = registry::off();
+        scene.shadows = registry::no_shadows();
         assert!(compare(&scene, &shadowed, &Passes::new(gpu).samples(&scene, &view).unwrap()).radiance < 0.95);
     }
 }

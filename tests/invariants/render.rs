@@ -94,7 +94,7 @@ fn a_larger_world_looks_the_same() {
 /// Where the whole disc is seen. Its size enters by the penumbra alone.
 #[test]
 fn twice_the_distance_of_the_sun_is_a_quarter_of_the_radiance() {
-    let scene = hilly(|_| registry::off());
+    let scene = hilly(|_| registry::no_shadows());
     let at = |distance_m: f64| {
         let mut view = view();
         let light = &mut view.lights[0];

@@ -235,7 +235,7 @@ fn shadows_fall_across_tiles_and_faces_as_on_the_ground_itself() {
         assert!(found.radiance >= 0.999 && found.range < 1e-4, "{found:?}");
     }
     // Without horizons only the ground's own slope shades it.
-    scene.shadows = registry::off();
+    scene.shadows = registry::no_shadows();
     let unshadowed = agreement(&truth, &prepared, &scene, 0.0);
     assert!(unshadowed.share < 0.99, "{unshadowed:?}");
 }
@@ -277,7 +277,7 @@ fn shadows_of_the_real_moon_are_as_right_beside_borders_as_elsewhere() {
         let (prepared, mut scene) = ready(&scenario, &folder.path().join("cache"));
         let found = agreement(&truth, &prepared, &scene, 6.0);
         println!("{}: {found:?}", prepared.ground.globe.as_ref().unwrap().summary());
-        scene.shadows = registry::off();
+        scene.shadows = registry::no_shadows();
         let unshadowed = agreement(&truth, &prepared, &scene, 6.0);
         println!("{unshadowed:?}");
         assert!(found.pixels > 10_000 && found.in_cast_shadow > 3000, "{found:?}");

@@ -68,7 +68,7 @@ pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
         refine: None,
         view_rays: Default::default(),
         surface: Surface::new(terrain),
-        shadows: registry::off(),
+        shadows: registry::no_shadows(),
         reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
         albedo: None,
         ambient: None,

@@ -180,7 +180,7 @@ impl Studio {
 
     fn render(&mut self, trial: &Trial) -> Result<Planes, Error> {
         (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
-        let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, registry::off()));
+        let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, registry::no_shadows()));
         let image = self.exposures(trial);
         if let Some(shadows) = kept {
             self.scene.shadows = shadows;

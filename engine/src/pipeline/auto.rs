@@ -32,7 +32,7 @@ pub fn choose(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) ->
         return Choice { method, why: None };
     }
     if scenario.terrain.is_none() {
-        return settled(registry::off_options(), "there is no terrain to cast any");
+        return settled(registry::no_shadows_options(), "there is no terrain to cast any");
     }
     if scenario.shows_globe()
         && let Some(method) = registry::candidates().find(|method| method.serves_globe())

@@ -1,7 +1,7 @@
 //! Radiance seen by a camera.
 //!
 //! [`Scene`] and [`View`] are all that a renderer reads. [`mod@reference`] renders them in f64, one ray at a time,
-//! to be believed; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
+//! as the reference; [`passes`] renders them with compute shaders. Both give [`Samples`], from which
 //! [`planes`] makes the image. [`imaging`] takes it with a lens that blurs and a shutter that takes its time.
 
 pub mod bounce;

@@ -1,4 +1,4 @@
-//! The renderer to be believed: f64, one ray at a time, meant to be read.
+//! The reference renderer: f64, one ray at a time, meant to be read.
 //!
 //! ```text
 //! L = Σ lights  f_r(μ0, μ, g) · E,    E = E_n [V (n·s) + ρ (M_x n·e_x + M_y n·e_y)]

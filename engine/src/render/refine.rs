@@ -12,12 +12,7 @@
 //! The reference renderer asks at every sample. A device renders all samples from the maps, and the host
 //! renders again each pixel whose centre is open or, where a pixel has more samples than its centre, a neighbour's is.
 //!
-//! Measured on the connecting ridge, Sun at 1.9°, 256² pixels, against tracing every pixel, in full Suns:
-//!
-//! | | RMS | RMS in the penumbra | largest | shares off by 0.01 |
-//! |---|---|---|---|---|
-//! | maps (`w21`) | 0.0024 | 0.0155 | 0.19 | 1.40 % |
-//! | refined | 0.0003 | 0.0017 | 0.03 | 0.18 % |
+//! What it gains: `docs/experiments/shadow_methods.md`.
 //!
 //! # Assumptions
 //! Bounds fail for one node in twenty at some azimuth. A penumbra thinner than a pixel that passes between
@@ -30,7 +25,7 @@ use super::planes::{Samples, normal};
 use super::reference::{self, Lighting, site};
 use super::{Diffuse, Rays, Scene, View};
 use crate::photometry::DiskLight;
-use crate::shadow::traced::TracedShadow;
+use crate::shadow::registry::reference_shadow;
 use crate::shadow::{BoundedShadow, Disc, Shadow, Site};
 use crate::terrain::{Ground, Hit};
 
@@ -38,7 +33,7 @@ use crate::terrain::{Ground, Hit};
 #[derive(Debug)]
 pub struct TracedWhereOpen<'a> {
     maps: Box<dyn BoundedShadow + 'a>,
-    traced: TracedShadow<'a>,
+    traced: Box<dyn Shadow + 'a>,
 }
 
 impl<'a> TracedWhereOpen<'a> {
@@ -46,7 +41,7 @@ impl<'a> TracedWhereOpen<'a> {
     pub fn of(scene: &'a Scene) -> Option<Self> {
         let (surface, settings) = (&scene.surface, scene.refine?);
         let maps = scene.shadows.bounded(surface)?;
-        Some(Self { maps, traced: TracedShadow { surface, settings } })
+        Some(Self { maps, traced: reference_shadow(surface, settings) })
     }
 }
 

@@ -153,7 +153,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     check.needs(
         !spec.refine || spec.shadows.method().is_some_and(|method| method.has_bounds()),
         "refine",
-        "needs shadows: HorizonMaps without visibility and coefficients, whose errors are known",
+        "needs shadows from horizon maps with all their coefficients and no visibility, whose errors are known",
     );
     world::lights_of_globe(spec, check);
     let horizon = world::horizon(&spec.horizon, check);

@@ -156,7 +156,7 @@ pub fn lights_of_globe(spec: &Spec, check: &mut Check) {
         return;
     }
     let serves = spec.shadows.method().is_none_or(|method| method.serves_globe());
-    check.needs(serves, "shadows", "must be HorizonMaps, Auto or Off over a Globe");
+    check.needs(serves, "shadows", "must come from horizon maps, be chosen by Auto, or be none over a Globe");
     check.needs(!spec.refine, "refine", "needs other terrain than a Globe, beyond whose tiles no ray is traced");
     check.needs(
         spec.bounce.is_none(),

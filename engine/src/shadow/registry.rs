@@ -5,9 +5,11 @@ use std::sync::Arc;
 use super::horizon_maps::{self, HorizonMaps};
 use super::method::{Bench, Family, MethodOptions, Named, ShadowMethod};
 use super::off::Off;
-use super::traced::Traced;
+use super::site::Shadow;
+use super::traced::{Traced, TracedShadow};
 use super::{mipmaps, multiscale, off, towards_sun, traced};
 use crate::horizon::{HorizonMap, Settings};
+use crate::terrain::Surface;
 
 /// By folder.
 const FAMILIES: [&Family; 6] =
@@ -54,13 +56,24 @@ pub fn reference(settings: Settings) -> Arc<dyn ShadowMethod> {
     Arc::new(Traced { settings })
 }
 
+/// The reference as a source of shadows of a surface.
+pub fn reference_shadow(surface: &Surface, settings: Settings) -> Box<dyn Shadow + '_> {
+    Box::new(TracedShadow { surface, settings })
+}
+
+/// The method whose nodes hold skylines as they were swept: what others with skylines at nodes err beyond it, their encoding
+/// does.
+pub fn uncompressed_at_nodes() -> Option<&'static str> {
+    all().find(|named| (named.options)().is_for_given_lights()).map(|named| named.name)
+}
+
 /// How no cast shadows are asked for.
-pub fn off_options() -> Box<dyn MethodOptions> {
+pub fn no_shadows_options() -> Box<dyn MethodOptions> {
     Box::new(Off)
 }
 
 /// No cast shadows.
-pub fn off() -> Arc<dyn ShadowMethod> {
+pub fn no_shadows() -> Arc<dyn ShadowMethod> {
     Arc::new(Off)
 }
 

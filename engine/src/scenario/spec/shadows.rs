@@ -143,7 +143,7 @@ impl Shadows {
             Self::MaximumMipmaps(options) => Box::new(options),
             Self::Multiscale(options) => Box::new(options),
             Self::Traced => registry::reference_options(),
-            Self::Off => registry::off_options(),
+            Self::Off => registry::no_shadows_options(),
             _ => return None,
         })
     }
