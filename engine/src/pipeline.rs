@@ -39,7 +39,7 @@ pub use motion::Exposure;
 pub use progress::{Progress, Silent};
 
 use crate::dataset::{self, Writer};
-use crate::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, default_kernel_folder};
+use crate::ephemeris::{Almanac, BodyFrame, KernelSource, default_kernels};
 use crate::gpu::{Adapter, Gpu};
 use crate::horizon;
 use crate::labels::{Crater, Rim};
@@ -130,7 +130,7 @@ pub struct Prepared {
 
 /// Kernels, terrain and poses of a scenario.
 pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
-    let almanac = Almanac::load(&kernels(scenario))?;
+    let almanac = Almanac::load_sources(&kernels(scenario))?;
     let frame = body_frame(scenario, &almanac)?;
     let mut ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
     for (role, path) in other_inputs(scenario) {
@@ -160,9 +160,8 @@ fn points(scenario: &Scenario) -> Vec<Scenario> {
 }
 
 /// The scenario's kernels, or the shipped ones, and the trajectory's.
-fn kernels(scenario: &Scenario) -> Vec<PathBuf> {
-    let shipped = || DEFAULT_KERNELS.map(|name| default_kernel_folder().join(name)).to_vec();
-    let mut kernels = scenario.kernels.clone().unwrap_or_else(shipped);
+fn kernels(scenario: &Scenario) -> Vec<KernelSource> {
+    let mut kernels = scenario.kernels.clone().unwrap_or_else(default_kernels);
     if let scenario::Trajectory::Spk { path: Some(path), .. } = &scenario.trajectory {
         kernels.push(path.clone());
     }

@@ -15,6 +15,7 @@ pub mod illuminate;
 pub mod inspect;
 pub mod kernels;
 pub mod run;
+pub mod scenarios;
 pub mod schema;
 pub mod sun;
 pub mod terrain;

@@ -15,15 +15,25 @@ use std::sync::{Arc, Mutex};
 use bytemuck::{cast_slice, cast_slice_mut};
 use sha2::{Digest, Sha256};
 
-use super::build::State;
+use super::axis::Major;
+use super::elevation_plane::ElevationPlane;
 use super::error::Error;
-use super::fit::Plane;
+use super::fit::Accumulator;
 use super::fit::sums::{Stored, Sums};
-use super::store::Key;
-use super::sweep::grid::Major;
+use super::key::Key;
+use super::measure::Sample;
 
 /// Numbers that are in memory at a time while the file is written anew.
 const PIECE: usize = 1 << 18;
+
+/// What a build has reached.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Azimuths added, in the builder's order.
+    pub done: usize,
+    pub sums: Accumulator,
+    pub sample: Sample,
+}
 
 /// The checkpoint file of one tile.
 #[derive(Debug)]
@@ -52,7 +62,7 @@ impl Checkpoint {
 
     /// Writes the state with planes added to its sums. Sums on disk are in the new file then; those in memory stay as they are
     /// and no planes may be given.
-    pub fn save(&self, state: &mut State, planes: &[Plane], major: Major) -> Result<(), Error> {
+    pub fn save(&self, state: &mut State, planes: &[ElevationPlane], major: Major) -> Result<(), Error> {
         let writing = self.path.with_extension("partial.writing");
         let saved = self.write(&writing, state, planes, major).and_then(|()| fs::rename(&writing, &self.path));
         saved.and_then(|()| self.refer(state)).map_err(|source| {
@@ -62,7 +72,7 @@ impl Checkpoint {
         })
     }
 
-    fn write(&self, path: &Path, state: &State, planes: &[Plane], major: Major) -> io::Result<()> {
+    fn write(&self, path: &Path, state: &State, planes: &[ElevationPlane], major: Major) -> io::Result<()> {
         let mut to = Hashed { file: BufWriter::new(File::create(path)?), hash: Sha256::new() };
         to.write(self.key.as_str().as_bytes())?;
         to.write(&(state.done as u64).to_le_bytes())?;

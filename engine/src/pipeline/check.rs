@@ -44,7 +44,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
     checked.warnings = applicability::warnings(scenario, ground.as_ref().map(|ground| &ground.surface));
-    let loaded = Almanac::load(&kernels(scenario))
+    let loaded = Almanac::load_sources(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
     match loaded {

@@ -58,7 +58,7 @@ pub enum Error {
     )]
     BelowGround { exposure: usize, epoch_utc: String, height_m: f64, ground_m: f64 },
     #[error(transparent)]
-    Shadows(#[from] crate::shadow::PrepareError),
+    Shadows(Box<crate::shadow::PrepareError>),
     #[error(
         "outputs.planes: shadow_change needs a camera that stands still; before exposure {exposure} it moves by {moved_m:.3} m \
          and turns by {turned_deg:.5} deg"
@@ -66,6 +66,12 @@ pub enum Error {
     CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
     #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
+}
+
+impl From<crate::shadow::PrepareError> for Error {
+    fn from(error: crate::shadow::PrepareError) -> Self {
+        Self::Shadows(Box::new(error))
+    }
 }
 
 /// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.

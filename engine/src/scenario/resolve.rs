@@ -8,28 +8,10 @@ use super::resolved::Scenario;
 use super::spec::Spec;
 use super::tree::{self, Node, Place};
 use super::{camera, light, motion, presets, structure, sweep, world};
+use crate::ephemeris::KernelSource;
 
 /// Says what a file is and where it can be had, by its name.
 pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
-
-/// Reads and resolves the scenario `name`: a path, or a name in `scenarios/`. Files are looked for in `data` too.
-pub fn load(name: &Path, data: &[PathBuf], about: About) -> Result<Scenario, ScenarioError> {
-    let path = find(name)?;
-    let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
-    resolve(&path, &text, &Places::of(&path, data), about)
-}
-
-fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
-    let mut candidates = vec![name.to_path_buf()];
-    if name.components().count() == 1 {
-        candidates.push(Path::new("scenarios").join(name));
-        candidates.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name));
-    }
-    candidates.iter().find(|path| path.exists()).cloned().ok_or_else(|| ScenarioError::NotFound {
-        name: name.display().to_string(),
-        looked_for: candidates.iter().map(|path| path.display().to_string()).collect(),
-    })
-}
 
 /// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
 pub fn resolve(path: &Path, text: &str, places: &Places, about: About) -> Result<Scenario, ScenarioError> {
@@ -114,9 +96,12 @@ impl Check<'_> {
         }
     }
 
-    pub fn kernel(&mut self, key: &str, name: &str) -> PathBuf {
-        let found = self.places.find_kernel(name);
-        self.found(key, name, found)
+    /// A kernel's file, or the kernel of that name that the program carries.
+    pub fn kernel(&mut self, key: &str, name: &str) -> KernelSource {
+        match (self.places.find(name), KernelSource::shipped(name)) {
+            (Found::Nowhere(_), Some(shipped)) => shipped,
+            (found, _) => KernelSource::File(self.found(key, name, found)),
+        }
     }
 
     fn found(&mut self, key: &str, name: &str, found: Found) -> PathBuf {

@@ -6,7 +6,7 @@
 //! On a graphics card a sample of a series costs far less beside a sweep: there maps are better than is reckoned.
 
 use super::maps::At;
-use crate::horizon::{Encoding, bound};
+use crate::horizon::{Encoding, calibration};
 use crate::shadow::method::{Cost, Workload};
 
 /// RMS error of the irradiance with `fm16`.
@@ -36,7 +36,7 @@ fn error_ratio(encoding: Encoding) -> f64 {
 
 /// Maps of all azimuths, and a sixth of them again for their bounds.
 pub fn cost(work: &Workload, at: At) -> Cost {
-    let azimuths = if work.maps_are_made { 0 } else { work.azimuths + work.azimuths.min(bound::AZIMUTHS) };
+    let azimuths = if work.maps_are_made { 0 } else { work.azimuths + work.azimuths.min(calibration::AZIMUTHS) };
     let images = match at {
         At::Pixels => SAMPLE * work.samples / work.nodes,
         At::Nodes => FIELD * work.lights as f64,

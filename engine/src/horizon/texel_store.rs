@@ -22,7 +22,7 @@ const STRIP: usize = 64;
 
 /// Where a map's texels are.
 #[derive(Debug)]
-pub enum Shelf {
+pub enum TexelStore {
     Memory(HorizonMap),
     /// A map without texels, and the file that has them, level by level.
     Disk {
@@ -41,7 +41,7 @@ pub struct Strip<'a> {
     pub first: usize,
 }
 
-impl Shelf {
+impl TexelStore {
     /// Puts a map's texels into a new file.
     pub fn on_disk(mut map: HorizonMap, path: PathBuf) -> Result<Self, Error> {
         let written = || -> io::Result<()> {
@@ -127,17 +127,17 @@ mod tests {
         let directions = [DVec2::Y, DVec2::from_angle(0.4)];
         for encoding in [Encoding::Fm16, Encoding::F8, Encoding::Raw12, Encoding::W21] {
             let map = noise(encoding, 21, 3 * STRIP + 5);
-            let shelf = Shelf::on_disk(map.clone(), folder.path().join("texels")).unwrap();
+            let store = TexelStore::on_disk(map.clone(), folder.path().join("texels")).unwrap();
             let whole = Decoder::new(&map, &directions);
             let mut next = 0;
-            for strip in shelf.strips().map(Result::unwrap) {
+            for strip in store.strips().map(Result::unwrap) {
                 let decoder = Decoder::new(&strip.map, &directions);
                 assert_eq!(strip.rows.start, next);
                 next = strip.rows.end;
                 assert!(strip.rows.clone().all(|row| decoder.row(row - strip.first) == whole.row(row)), "{encoding}");
             }
             assert_eq!(next, map.rows);
-            assert!(shelf.take().unwrap() == map);
+            assert!(store.take().unwrap() == map);
         }
     }
 }
