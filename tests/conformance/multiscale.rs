@@ -7,8 +7,6 @@ use glam::{DVec2, DVec3};
 use perilune_bench::stability::scenes::{Grid, flat_body};
 use perilune_engine::geometry::{Body, Position};
 use perilune_engine::gpu::Gpu;
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Light, Renderer};
 use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::multiscale::device::OnDevice;
@@ -131,7 +129,8 @@ fn images_lit_through_the_devices_skylines_are_the_references() {
     let Some(gpu) = super::gpu() else { return };
     for (name, mut scene, mut view) in scenes().into_iter().take(2) {
         let swath_rad = 0.035;
-        scene.shadows = Arc::new(Multiscale::new(&scene.surface.terrain, 4, 2.0, swath_rad));
+        let method = Multiscale::new(&scene.surface.terrain, 4, 2.0, swath_rad);
+        scene = scene.with_shadows(Arc::new(method));
         let shadows = scene.shadows.clone();
         let method = shadows.skylines().unwrap();
         assert!(method.on_device(gpu, &scene.surface).unwrap().is_some());
@@ -139,14 +138,14 @@ fn images_lit_through_the_devices_skylines_are_the_references() {
         let aside =
             glam::DQuat::from_axis_angle(view.camera_position.vector_m().normalize(), 1.0) * sun.position.vector_m();
         view.lights.push(Light { position: Position::from_m(aside), ..sun });
-        let mut passes = Passes::new(gpu);
+        let mut session = Renderer::on(gpu).session(&scene).unwrap();
         let agreement =
-            compare(&scene, &Reference.samples(&scene, &view).unwrap(), &passes.samples(&scene, &view).unwrap());
+            compare(&view, &Renderer::Reference.samples(&scene, &view).unwrap(), &session.samples(&view).unwrap());
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
 
         let lights = view.quantized_lights();
         let expected = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
-        let read = passes.skylines(&scene).unwrap();
+        let read = session.skylines().unwrap();
         for (light, level) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let fields = [&expected, &read].map(|skylines| skylines.field(light, 0, level));
             let worst_rad = errors_rad(fields[0], fields[1], swath_rad).into_iter().fold(0.0, f64::max);

@@ -8,8 +8,6 @@ use crate::Error;
 use perilune_engine::gpu::Gpu;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings};
 use perilune_engine::pipeline;
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, View};
 use perilune_engine::shadow::{Ingredients, MethodOptions, ShadowMethod, registry};
 use perilune_engine::terrain::{Face, Surface};
@@ -90,7 +88,6 @@ pub fn outcome(case: &mut Case, name: &str, gpu: Option<&Gpu>, factory: &MethodF
     if !within_domain(case, options.as_ref()) {
         return Ok(Outcome::Outside);
     }
-    let renderer = || gpu.map_or_else(|| Box::new(Reference) as Box<dyn Renderer>, |gpu| Box::new(Passes::new(gpu)));
     let mut images = Vec::new();
     let mut held = None;
     for view in &case.views {
@@ -100,10 +97,10 @@ pub fn outcome(case: &mut Case, name: &str, gpu: Option<&Gpu>, factory: &MethodF
                 return Ok(Outcome::Outside);
             };
             case.scene.shadows = method;
-            held = Some(renderer());
+            held = Some(Renderer::on_any(gpu).session(&case.scene)?);
         }
-        if let Some(renderer) = &mut held {
-            images.push(renderer.samples(&case.scene, view)?);
+        if let Some(session) = &mut held {
+            images.push(session.samples(view)?);
         }
     }
     Ok(case.outcome(&images))

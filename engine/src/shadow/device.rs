@@ -80,7 +80,7 @@ pub trait FieldMaker: Debug + Send + Sync {
 pub enum DeviceError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error("{0} shadows need the reference renderer; use --adapter cpu")]
+    #[error("{0} shadows need the reference renderer")]
     HostOnly(&'static str),
     #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
     Encodings { first: Encoding, other: Encoding },

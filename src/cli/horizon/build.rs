@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::ValueEnum;
 use perilune_engine::geometry::Geodetic;
@@ -78,7 +79,7 @@ pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let mut ground = args.levels.ground(&args.dems, args.at, &bars)?;
     // No rays are shot here.
-    ground.surface.pyramids = Vec::new();
+    Arc::make_mut(&mut ground.surface).pyramids = Vec::new();
     ground.resampling.iter().for_each(|line| bars.say(line));
     let settings = horizon::Settings {
         azimuths: args.azimuths,

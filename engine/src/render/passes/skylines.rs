@@ -29,17 +29,14 @@ pub struct DeviceSkylines {
 }
 
 impl DeviceSkylines {
-    pub fn new(gpu: &Gpu, fields: Fields, ground: &DeviceGround, lights: usize) -> Result<Self, RenderError> {
-        if lights > LIGHTS {
-            return Err(RenderError::TooManyLights { got: lights, allowed: LIGHTS });
-        }
+    pub fn new(gpu: &Gpu, fields: Fields, ground: &DeviceGround) -> Result<Self, RenderError> {
         let mut texels = 0;
         let mut starts = Vec::new();
         for level in &ground.levels {
             starts.push(texels);
             texels += (level.shader.columns as usize * level.shader.rows as usize).div_ceil(PER_TEXEL);
         }
-        gpu.fits::<[u32; 4]>("skylines", lights * texels, 1)?;
+        gpu.fits::<[u32; 4]>("skylines", texels, 1)?;
         Ok(Self { fields, starts, texels, found: Skylines::default(), read: Skylines::default(), made: None })
     }
 
@@ -50,10 +47,14 @@ impl DeviceSkylines {
         scene: &Scene,
         ground: &DeviceGround,
         lights: &[QuantizedLight],
-    ) -> Result<Option<f64>, UnpreparedLight> {
+    ) -> Result<Option<f64>, RenderError> {
+        if lights.len() > LIGHTS {
+            return Err(RenderError::TooManyLights { got: lights.len(), allowed: LIGHTS });
+        }
         if self.made.as_ref().is_some_and(|(made, _)| made == lights) {
             return Ok(Some(0.0));
         }
+        gpu.fits::<[u32; 4]>("skylines", lights.len() * self.texels, 1)?;
         let (seconds, buffer) = match &self.fields {
             Fields::Device(maker) => self.make(gpu, maker.as_ref(), scene, ground, lights),
             Fields::Host => (Some(0.0), self.send(gpu, scene, lights)?),
