@@ -149,7 +149,8 @@ fn modules_use_only_what_lies_below_them() {
 }
 
 /// Modules whose files are in no circle.
-const WITHOUT_CIRCLES: [&str; 1] = ["horizon"];
+const WITHOUT_CIRCLES: [&str; 9] =
+    ["camera", "dataset", "ephemeris", "geometry", "horizon", "labels", "pipeline", "raster", "report"];
 
 #[test]
 fn files_of_a_module_are_in_no_circle() {

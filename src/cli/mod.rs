@@ -4,6 +4,10 @@ use std::error::Error;
 use std::io::Write as _;
 
 use perilune_engine::geometry::Geodetic;
+use perilune_engine::gpu::GpuError;
+use perilune_engine::pipeline;
+use perilune_engine::render::RenderError;
+use perilune_engine::shadow::DeviceError;
 
 pub mod bars;
 pub mod bench;
@@ -70,6 +74,21 @@ pub fn chain(error: &dyn Error) -> String {
 /// Other libraries break their messages.
 fn one_line(error: &dyn Error) -> String {
     error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}
+
+/// An error of the pipeline, with the flag that has to do with it.
+pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
+    let flag = match &error {
+        pipeline::Error::NoSuchExposures { .. } => "--frames",
+        pipeline::Error::NoTiles { .. } => "--tiles",
+        pipeline::Error::Gpu(GpuError::TooLarge { .. })
+        | pipeline::Error::Render(
+            RenderError::Gpu(GpuError::TooLarge { .. })
+            | RenderError::Device(DeviceError::HostOnly(_) | DeviceError::Gpu(GpuError::TooLarge { .. })),
+        ) => "--adapter cpu",
+        _ => return Box::new(error),
+    };
+    format!("{} (see {flag})", chain(&error)).into()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::names::file_name;
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
+use crate::horizon::{self, Encoding, HorizonMap, Key, Resources};
 use crate::terrain::Surface;
 
 /// A horizon tile that is ready.
@@ -32,16 +32,17 @@ impl Tile<'_> {
 
 /// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
 /// is told to `finished`.
-pub fn horizons<E: From<Error>>(
-    surface: &Surface,
+pub fn horizons<'a, E: From<Error>>(
+    surface: &'a Surface,
     settings: &horizon::Settings,
     encoding: Encoding,
     folder: &Path,
-    memory: Memory,
+    resources: impl Into<Resources<'a>>,
     progress: &dyn Progress,
     mut finished: impl FnMut(&Tile) -> Result<(), E>,
 ) -> Result<Vec<Vec<HorizonMap>>, E> {
     let faces = &surface.terrain.faces;
+    let resources = resources.into();
     let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
     let mut tile = 0;
     let mut maps = Vec::new();
@@ -57,7 +58,7 @@ pub fn horizons<E: From<Error>>(
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, resources, &heard).map_err(Error::from)?;
             let key = request.key();
             let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
