@@ -10,6 +10,7 @@ use perilune_engine::pipeline::ground::{self, Ground};
 use perilune_engine::pipeline::{Progress, Silent};
 use perilune_engine::render::{self, Image, Renderer, View};
 use perilune_engine::scenario;
+use perilune_engine::shadow::registry;
 use perilune_engine::terrain::{Surface, Terrain};
 
 use crate::{Adapter, Error, HorizonSettings};
@@ -97,12 +98,12 @@ impl Scene {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let maps = self.horizon_maps(settings, cache.as_ref(), progress, |_| ())?;
-        Ok(Self(self.0.with_shadows(render::Shadows::Fourier(maps))))
+        Ok(Self(self.0.with_shadows(registry::of_maps(maps))))
     }
 
     /// With the reference's shadows, traced at every sample: exact and slow, and on the CPU alone.
     pub fn with_traced_shadows(self) -> Self {
-        Self(self.0.with_shadows(render::Shadows::Traced(Default::default())))
+        Self(self.0.with_shadows(registry::reference(Default::default())))
     }
 
     /// With another law of the Sun's limb; without it the disc is uniform.

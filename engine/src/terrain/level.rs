@@ -138,3 +138,11 @@ pub struct Terrain {
     pub body: Body,
     pub faces: Vec<Face>,
 }
+
+impl Terrain {
+    /// Nodes of the seen parts of all levels.
+    pub fn seen_nodes(&self) -> usize {
+        let seen = |level: &Level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin);
+        self.faces.iter().flat_map(|face| &face.levels).map(seen).sum()
+    }
+}

@@ -2,6 +2,7 @@
 
 mod camera;
 mod output;
+mod shadows;
 mod sweep;
 mod view;
 mod world;
@@ -15,11 +16,12 @@ pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use shadows::Shadows;
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{
     Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
-    Photometry, ShadowPreset, Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,
+    Photometry, Sky, Spectrum, Sun, Surface, Terrain, Values,
 };
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
@@ -49,7 +51,7 @@ pub struct Spec {
     #[serde(default)]
     pub shadows: Shadows,
     /// Settles by tracing, pixel by pixel, what horizon maps leave open: where their own error could change the Sun's share.
-    /// For the shadows Fourier and Baked. Takes seconds an image.
+    /// For shadows from horizon maps with all their coefficients, without visibility. Takes seconds an image.
     #[serde(default)]
     pub refine: bool,
     /// How the first ground along a ray from the camera is found.

@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::horizon::Encoding;
-use crate::shadow::{At, Edge, Visibility};
 
 /// The body that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -213,178 +212,11 @@ fn default_azimuths() -> u32 {
     DEFAULT_AZIMUTHS
 }
 
-/// How shadows are cast.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Shadows {
-    /// By the method that is ready soonest of those that are right enough: a swath where a sequence lasts hours at most, a sweep
-    /// for each of a few exposures, horizon maps for more, tracing where nothing else will do. The run says which, and why.
-    Auto {
-        /// RMS error of the irradiance, in full Suns, that the shadows may have on terrain like the measured.
-        #[serde(default = "default_max_irradiance_error")]
-        #[schemars(range(min = 0.0, max = 1.0))]
-        max_irradiance_error: f64,
-    },
-    /// From Fourier-compressed horizon maps, evaluated at every sample.
-    #[default]
-    Fourier,
-    /// From the same maps, evaluated once per node while the Sun stands still: faster where images have more samples
-    /// than the terrain has nodes, or the Sun stays.
-    Baked,
-    /// Lighting factors from the same maps as in Fritsch 2025: a share of the disc that multiplies the light of an unshadowed
-    /// Sun. To compare with; `Fourier` is more accurate.
-    Series {
-        /// How the share is found.
-        #[serde(default)]
-        visibility: Visibility,
-        /// Coefficients that are evaluated: 4, 8, 12 or 16 of an fm or f encoding. Default: all.
-        #[serde(default)]
-        #[schemars(range(min = 4, max = 16))]
-        coefficients: Option<u32>,
-        /// Where.
-        #[serde(default)]
-        at: At,
-    },
-    /// One of the eight presets of Fritsch 2025.
-    Preset(ShadowPreset),
-    /// From horizons for those azimuths only that the Sun's disc spans in the exposures: accurate and small where a sequence
-    /// lasts hours at most, and made once for all of its images.
-    Swath {
-        /// Most between two azimuths.
-        #[serde(default = "default_azimuth_step_deg")]
-        #[schemars(range(min = 0.01, max = 5.0))]
-        azimuth_step_deg: f64,
-    },
-    /// From horizons of all nodes towards the Sun, swept anew whenever it has moved: as accurate as a swath, nothing is
-    /// kept.
-    Sweep {
-        /// Most between two azimuths.
-        #[serde(default = "default_azimuth_step_deg")]
-        #[schemars(range(min = 0.01, max = 5.0))]
-        azimuth_step_deg: f64,
-    },
-    /// From horizons of all nodes towards the Sun, stepped along the map anew whenever it has moved (Aslandere 2015).
-    /// `horizon.search_m` is their reach.
-    SingleAzimuth {
-        /// From one sample to the next, in postings of the terrain.
-        #[serde(default = "one")]
-        #[schemars(range(min = 0.1, max = 100.0))]
-        spacing: f64,
-        /// What becomes of the Sun's disc.
-        #[serde(default)]
-        edge: Edge,
-    },
-    /// By a search of maximum mipmaps towards the Sun at every sample (Jung 2020): no horizon maps, more time an image.
-    MaximumMipmaps {
-        /// Mips of each run of the search, the nearest run first; a run of N mips looks 2^(N−1) postings further.
-        /// [5, 5, 5] and [5, 5, 5, 3] are the published ones: 48 and 52 postings. Default: 5, 5, 6, 7, … as far as the
-        /// terrain reaches.
-        #[serde(default)]
-        #[schemars(length(max = 16), inner(range(min = 1, max = 15)))]
-        runs: Vec<u32>,
-    },
-    /// From a multi-scale pyramid of heights (Snyder & Nowrouzezahrai 2008): smooth skylines for large, dim sources. No
-    /// match for the Sun's disc.
-    Multiscale {
-        /// Images in each halving of the resolution.
-        #[serde(default = "default_level_step")]
-        #[schemars(range(min = 1, max = 16))]
-        level_step: u32,
-        /// Halvings by which images are finer than their distance: more is sharper.
-        #[serde(default = "default_level_offset")]
-        #[schemars(range(min = 0.0, max = 16.0))]
-        level_offset: f64,
-        /// Azimuths over which the skyline's slope is taken.
-        #[serde(default = "default_swath")]
-        #[schemars(range(min = 0.01, max = 90.0))]
-        swath_deg: f64,
-    },
-    /// From the exact horizon of each point, without compression. Slow; the one to compare with.
-    Traced,
-    /// No cast shadows; the ground still turns away from the Sun.
-    Off,
-}
-
-/// Presets of Fritsch 2025, table 3: coefficients, samples across the Sun, shader stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum ShadowPreset {
-    /// No shadows.
-    None,
-    /// 8, middle value, vertices.
-    Low,
-    /// 16, middle value, vertices.
-    Medium,
-    /// 8, middle value, fragments.
-    MediumFrag,
-    /// 16, middle value, fragments.
-    High,
-    /// 16, three boxes, fragments.
-    VeryHighX3,
-    /// 16, five boxes, fragments.
-    VeryHighX5,
-    /// 16, seven boxes, fragments.
-    VeryHighX7,
-}
-
-impl ShadowPreset {
-    pub const ALL: [Self; 8] = [
-        Self::None,
-        Self::Low,
-        Self::Medium,
-        Self::MediumFrag,
-        Self::High,
-        Self::VeryHighX3,
-        Self::VeryHighX5,
-        Self::VeryHighX7,
-    ];
-
-    /// What it stands for.
-    pub fn shadows(self) -> Shadows {
-        let (visibility, coefficients, at) = match self {
-            Self::None => return Shadows::Off,
-            Self::Low => (Visibility::MiddleValue, 8, At::Nodes),
-            Self::Medium => (Visibility::MiddleValue, 16, At::Nodes),
-            Self::MediumFrag => (Visibility::MiddleValue, 8, At::Pixels),
-            Self::High => (Visibility::MiddleValue, 16, At::Pixels),
-            Self::VeryHighX3 => (Visibility::Boxes(3), 16, At::Pixels),
-            Self::VeryHighX5 => (Visibility::Boxes(5), 16, At::Pixels),
-            Self::VeryHighX7 => (Visibility::Boxes(7), 16, At::Pixels),
-        };
-        Shadows::Series { visibility, coefficients: Some(coefficients), at }
-    }
-}
-
-/// What all methods but the coarse ones reach.
-fn default_max_irradiance_error() -> f64 {
-    0.01
-}
-
-fn default_azimuth_step_deg() -> f64 {
-    0.15
-}
-
-impl Shadows {
-    /// Whether horizon maps are made.
-    pub fn need_maps(&self) -> bool {
-        self.have_bounds() || matches!(self, Self::Series { .. })
-    }
-
-    /// Whether what they leave open is known.
-    pub fn have_bounds(&self) -> bool {
-        matches!(self, Self::Fourier | Self::Baked)
-    }
-}
-
 fn default_level_step() -> u32 {
     4
 }
 
 fn default_level_offset() -> f64 {
-    2.0
-}
-
-/// The Earth's disc is 1.9° across.
-fn default_swath() -> f64 {
     2.0
 }
 
