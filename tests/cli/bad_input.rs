@@ -546,7 +546,7 @@ const FILES: &[Case] = &[
         "missing kernel",
         "pointing:",
         "kernels: [\"a.bsp\"],\n    pointing:",
-        "9:15: kernels[0] = \"a.bsp\" is not found in HERE, data, HERE/kernels",
+        "9:15: kernels[0] = \"a.bsp\" is not found in HERE, data",
     ),
     Case(
         "missing orbit ephemeris",

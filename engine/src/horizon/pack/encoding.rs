@@ -14,44 +14,44 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Encoding {
     /// 4 complex coefficients as half floats (Fritsch 2025): 16 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Fm4,
     /// 8 coefficients, four of them at half the resolution: 20 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Fm8,
     /// 12 coefficients, four at each of the resolutions 1, 1/2, 1/4: 21 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Fm12,
     /// A Fourier pyramid of 16 complex coefficients as half floats, four at each of the resolutions 1, 1/2, 1/4, 1/8 (Fritsch
     /// 2025): 21.25 bytes.
     #[default]
     Fm16,
     /// 4 complex coefficients at full resolution (Fritsch 2025): 16 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     F4,
     /// 8 coefficients at full resolution: 32 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     F8,
     /// 12 coefficients at full resolution: 48 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     F12,
     /// 16 coefficients at full resolution: 64 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     F16,
     /// Elevations at 8 azimuths as half floats (Max 1988): 16 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Raw8,
     /// Elevations at 12 azimuths: 24 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Raw12,
     /// Elevations at 16 azimuths: 32 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     Raw16,
     /// A water-filled pyramid of up to 47 harmonics in two words a texel: 10.6 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     W11,
     /// A water-filled pyramid in three words a texel: 15.9 bytes.
-    #[schemars(skip)]
+    #[schemars(extend("deprecated" = true))]
     W16,
     /// A quantised pyramid of up to 47 harmonics, bits where they lower the error most: 21.25 bytes.
     W21,
