@@ -39,7 +39,7 @@
 //! # Who may depend on whom
 //!
 //! ```text
-//! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
+//! { quantity, digest, files } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
 //!          -> horizon -> shadow -> { render, illumination } -> labels -> dataset -> scenario -> pipeline
 //!          -> evaluate -> compare -> main
 //! ```
@@ -56,6 +56,7 @@
 #![warn(missing_debug_implementations)]
 
 pub mod digest;
+pub mod files;
 pub mod quantity;
 
 pub mod geometry;

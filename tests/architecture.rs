@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules of one layer do not see each other.
 const LAYERS: [&[&str]; 13] = [
-    &["quantity", "digest"],
+    &["quantity", "digest", "files"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
     &["terrain", "camera"],

@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use perilune::files;
 use perilune::geometry::{Body, Geodetic};
 use perilune::raster;
 use perilune::terrain::synthetic::{self, Parameters};
@@ -92,7 +93,7 @@ pub fn run(args: Args) -> Outcome {
     bar.finish_and_clear();
     terrain.write(&args.output)?;
     let table = args.output.with_extension("craters.csv");
-    std::fs::write(&table, terrain.craters_csv())
+    files::write(&table, terrain.craters_csv().as_bytes())
         .map_err(|error| format!("cannot write {}: {error}", table.display()))?;
 
     let (lowest_m, highest_m) =

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::animation;
-use super::atomic;
 use super::card::Card;
 use super::contact_sheet;
+use super::disk;
 use super::error::DatasetError;
 use super::format::Format;
 use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
@@ -114,7 +114,7 @@ pub struct Spent {
 impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
-        atomic::check_writable(directory)?;
+        disk::check_writable(directory)?;
         let (directory, settings_of_desk) = (directory.to_path_buf(), settings.clone());
         let desk = Desk { directory, key: run.key(), settings: settings_of_desk, kept: Kept::default() };
         desk.remove_stale()?;

@@ -36,6 +36,7 @@ use rayon::prelude::*;
 use super::EphemerisError;
 use super::daf::{ChebyshevSegment, write_spk};
 use super::epoch::utc_text;
+use crate::files;
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 
 /// Files of the default set: positions, then constants.
@@ -114,7 +115,7 @@ pub fn make_default_kernels(folder: &Path, from: Epoch, until: Epoch) -> Result<
     let mut paths = Vec::new();
     for (name, bytes) in DEFAULT_KERNELS.into_iter().zip([spk.as_slice(), CONSTANTS.as_bytes()]) {
         let path = folder.join(name);
-        std::fs::write(&path, bytes).map_err(|source| EphemerisError::Unwritable { path: path.clone(), source })?;
+        files::write(&path, bytes).map_err(|source| EphemerisError::Unwritable { path: path.clone(), source })?;
         paths.push(path);
     }
     Ok(paths)

@@ -28,6 +28,7 @@ use super::settings::Settings;
 use super::shelf::Shelf;
 use super::store::{self, Header};
 use super::sweep::grid::Major;
+use crate::files;
 
 /// How much work a kill may cost.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(20);
@@ -104,8 +105,9 @@ impl<'a> Builder<'a> {
         request.check()?;
         if let Some(directory) = path.parent() {
             fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
+            files::remove_stale(directory).map_err(|source| Error::read(directory, source))?;
         }
-        let checkpoint = Checkpoint::new(path.with_extension("partial"), request.key());
+        let checkpoint = Checkpoint::new(path.with_extension("checkpoint"), request.key());
 
         let settings = &request.settings;
         let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
@@ -183,7 +185,7 @@ impl<'a> Builder<'a> {
         let errors = measure(face, *level, settings, &self.state.sample, &map);
         let (shelf, block) = match self.state.sums.in_memory() {
             true => (Shelf::Memory(map), bound::BLOCK),
-            false => (Shelf::on_disk(map, self.path.with_extension("texels"))?, self.block),
+            false => (Shelf::on_disk(map, &self.path.with_extension("texels"))?, self.block),
         };
         let swept = bound::Swept { request: &self.request, planes: &self.probes.unwrap_or_default(), block };
         let (bounds, statistics) = bound::bounds(&swept, &shelf, &self.state.sample.pixels, &errors.decoded_rad)?;

@@ -8,6 +8,7 @@ use std::time::Instant;
 use super::globe::Shown;
 use super::{Error, Progress};
 use crate::dataset::Input;
+use crate::files;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::store;
 use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
@@ -249,7 +250,7 @@ fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), syn
     // The craters first: the terrain's name says that both are there.
     let list = path.with_extension("craters.csv");
     let text = synthetic::craters_csv(craters);
-    std::fs::write(&list, text).map_err(|source| Error::Unwritable { path: list, source })?;
+    files::write(&list, text.as_bytes()).map_err(|source| Error::Unwritable { path: list, source })?;
     Ok(write(path)?)
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
+use perilune::files;
 use perilune::geometry::Geodetic;
 use perilune::horizon::inspect::Place;
 use perilune::horizon::store;
@@ -100,7 +101,7 @@ pub fn run(args: Args) -> Outcome {
     let rows: Vec<Row> = (0..count).map(|index| row(index as f64 * args.azimuth_step)).collect();
     if let Some(path) = &args.plot {
         let title = format!("Skyline at {} (latitude, longitude east)", degrees(args.at));
-        std::fs::write(path, plot::svg(&title, &rows, bound))
+        files::write(path, plot::svg(&title, &rows, bound).as_bytes())
             .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
     if args.json { print_json(&rows, bound) } else { print_table(&rows, bound) }

@@ -264,7 +264,7 @@ fn a_damaged_checkpoint_is_ignored() {
         let mut builder = Builder::new(&request(&face), &path, memory).unwrap();
         builder.step().unwrap();
         builder.save().unwrap();
-        let checkpoint = path.with_extension("partial");
+        let checkpoint = path.with_extension("checkpoint");
         let mut bytes = fs::read(&checkpoint).unwrap();
         let middle = bytes.len() / 2;
         bytes[middle] ^= 1;
