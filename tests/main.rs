@@ -5,6 +5,7 @@ mod cli;
 mod compare;
 mod conformance;
 mod evaluate;
+mod fixtures;
 mod invariants;
 mod readers;
 mod reference;

@@ -115,7 +115,7 @@ impl<'a> Builder<'a> {
         let order = along(Major::Row).chain(along(Major::Column)).collect();
 
         let nodes = request.nodes();
-        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let [columns, rows] = nodes.seen_size();
         let share = memory.share(request);
         let accumulator = if share.sums_fit { Accumulator::new } else { Accumulator::on_disk };
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);

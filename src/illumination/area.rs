@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::blocks::Blocks;
 use super::maps::Maps;
+use super::series::Series;
 use crate::geometry::{Body, Geodetic};
 use crate::terrain::{Gnomonic, Level};
 
@@ -14,17 +15,6 @@ pub enum Area {
     Circle { centre: Geodetic, radius_m: f64 },
     /// What rings of great circles enclose, the last corner joined to the first; a ring inside another is a hole.
     Polygon(Vec<Vec<Geodetic>>),
-}
-
-/// The light of an area, step by step, each the mean over its nodes.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Series {
-    /// Share of the area that is lit.
-    pub lit_share: Vec<f64>,
-    /// Share of the Sun's light that is seen.
-    pub disc_share: Vec<f64>,
-    /// Share of the area that sees the Earth's centre.
-    pub earth_share: Vec<f64>,
 }
 
 /// Smallest, mean and largest value over an area's nodes.

@@ -29,14 +29,16 @@ mod kernel;
 pub mod lit;
 pub mod maps;
 pub mod place;
+mod series;
 pub mod skylines;
 pub mod track;
 
-pub use area::{Area, AreaSummary, Series};
+pub use area::{Area, AreaSummary};
 pub use best::best;
 pub use check::{Check, Traced};
 pub use lit::{DiscShare, Lit};
 pub use maps::{Maps, Study};
 pub use place::Place;
+pub use series::Series;
 pub use skylines::{Skylines, Swept};
 pub use track::{Seen, Track};

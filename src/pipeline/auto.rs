@@ -128,7 +128,7 @@ impl Facts {
         let planes = |exposures: &[Exposure]| swath::spanned(surface, exposures, AZIMUTH_STEP_DEG).most_planes();
         let camera = &scenario.camera;
         let levels = surface.terrain.faces.iter().flat_map(|face| &face.levels);
-        let seen = |level: &Level| (level.columns - 2 * level.margin) as f64 * (level.rows - 2 * level.margin) as f64;
+        let seen = |level: &Level| level.seen_nodes() as f64;
         Self {
             error,
             maps_error: FOURIER_ERROR * error_ratio(scenario.horizon.encoding),

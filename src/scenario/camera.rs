@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::check::Check;
 use super::error::Fault;
-use super::resolve::Check;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::resolve::Check;
+use super::check::Check;
 use super::resolved::{Band, FixedSun, LimbDarkened, Sun};
 use super::spec::{self, Spec};
 use crate::photometry::{Curve, SolarSpectrum};

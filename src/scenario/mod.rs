@@ -13,6 +13,7 @@
 //! check (`structure.rs`) and to the printed reference (`reference.rs`).
 
 mod camera;
+mod check;
 mod error;
 mod files;
 mod light;
@@ -22,16 +23,19 @@ mod resolve;
 mod resolved;
 mod structure;
 mod sweep;
+mod text;
 mod tree;
+mod varied;
 mod world;
 
 pub mod reference;
 pub mod spec;
 
+pub use check::About;
 pub use error::{Fault, Problem, ScenarioError};
 pub use files::Places;
-pub use resolve::{About, load, resolve};
+pub use resolve::{load, resolve};
 pub use resolved::*;
 pub use spec::Spec;
 pub use structure::schema;
-pub use sweep::{Point, Sweep, Varied};
+pub use varied::{Point, Sweep, Varied};

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
-use super::sweep::Sweep;
+use super::varied::Sweep;
 use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;

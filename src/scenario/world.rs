@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::resolve::Check;
+use super::check::Check;
 use super::resolved::{Albedo, Dem, Globe, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
 use crate::geometry::{Body, Geodetic};

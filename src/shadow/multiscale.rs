@@ -258,7 +258,7 @@ impl Towards for Multiscale {
 
     fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
-        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let [columns, rows] = nodes.seen_size();
         let half_rad = 0.5 * self.swath_rad;
         let skyline = |index: usize| {
             let foot = nodes.lifted_node(index % columns + nodes.margin, index / columns + nodes.margin);

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use crate::fixtures::left_by_killed;
+
 /// Four images of 64 × 64 pixels over 128 × 128 nodes, with shadows from horizon tiles.
 pub const SMALL: &str = r#"(
     title: "a small descent",
@@ -137,13 +139,6 @@ fn what_is_finished_is_not_rendered_again() {
     let whole = Run::of(SMALL);
     whole.succeed(&[]);
     assert_eq!(differing(&whole.files(), &run.files()), Vec::<String>::new());
-}
-
-/// The temporary name of a process that is gone: its number is above the largest that Linux gives.
-fn left_by_killed(name: &str) -> String {
-    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let host: String = host.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    format!(".{name}.{}-4194305-0123456789abcdef.partial", &host[..host.len().min(32)])
 }
 
 #[test]

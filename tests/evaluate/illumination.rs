@@ -16,6 +16,8 @@ use perilune::pipeline::Silent;
 use perilune::raster::{Dem, Options};
 use perilune::terrain::{Face, Gnomonic, Level};
 
+use crate::fixtures;
+
 const RADIUS_RAD: f64 = 0.00465;
 
 /// A pole's Sun: it goes round 13 times while its elevation swings once between ± 1.5°. The Earth stays.
@@ -211,13 +213,9 @@ fn gaps_have_no_illumination() {
 /// is 7.6 points less than the time lit is no error: a few lines that share nothing with the program find 7.2.
 #[test]
 fn mazaricos_point_is_the_best_of_its_neighbourhood() {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let data = std::env::var_os("SIM_DATA").map_or_else(|| beside.into(), std::path::PathBuf::from);
-    let kernels = percentages::KERNELS.map(|name| data.join("kernels").join(name));
-    if !kernels.iter().all(|kernel| kernel.is_file()) {
-        println!("skipped: no kernels in {}", data.display());
-        return;
-    }
+    let kernels = percentages::KERNELS.map(|name| fixtures::data(&format!("kernels/{name}")));
+    let Some(kernels) = kernels.into_iter().collect::<Option<Vec<_>>>() else { return };
+    let data = fixtures::data_folder();
     let almanac = Almanac::load(&kernels).unwrap();
     let Some(table) =
         percentages::published(std::slice::from_ref(&data), &percentages::CLAIMS[..1], &almanac, &Silent).unwrap()

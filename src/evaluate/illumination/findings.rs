@@ -3,7 +3,8 @@
 use super::{pictures, plots};
 use crate::evaluate::{Error, Machine, Report, Table, Value};
 use crate::geometry::Geodetic;
-use crate::illumination::area::{AreaSummary, Series, Spread};
+use crate::illumination::Series;
+use crate::illumination::area::{AreaSummary, Spread};
 use crate::illumination::check::{Check, Errors};
 use crate::illumination::place::{Moment, Summary};
 use crate::illumination::{Maps, Place, Track};

@@ -118,7 +118,7 @@ impl Workshop<'_> {
     /// What a device holds for a method, per node of the terrain.
     pub fn bytes_per_node(&self, shadows: &Shadows) -> f64 {
         let levels = || self.prepared.ground.surface.terrain.faces.iter().flat_map(|face| &face.levels);
-        let seen = levels().map(|level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin));
+        let seen = levels().map(|level| level.seen_nodes());
         let nodes = seen.sum::<usize>().max(1) as f64;
         let maps =
             |maps: &[Vec<HorizonMap>]| maps.iter().flatten().map(HorizonMap::bytes).sum::<usize>() as f64 / nodes;

@@ -93,7 +93,7 @@ impl DeviceGround {
 
     /// Whether an adapter can hold a terrain, with horizon maps or without: asked before hours go into those.
     pub fn check(gpu: &Gpu, terrain: &Terrain, horizons: Option<Encoding>) -> Result<(), RenderError> {
-        let seen = |level: &Level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin);
+        let seen = |level: &Level| level.seen_nodes();
         let nodes: usize = terrain.faces.iter().flat_map(|face| &face.levels).map(seen).sum();
         // Mips add a third to the cells.
         fits::<f32>(gpu, "maxima", nodes + nodes / 3, 1)?;

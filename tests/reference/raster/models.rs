@@ -1,7 +1,7 @@
 //! Models of elevation in closed form, and what else the tests share.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune::geometry::{Body, Geodetic};
@@ -124,16 +124,6 @@ pub fn gdal(program: &str, arguments: &[&str]) -> Option<String> {
     let output = std::process::Command::new(program).args(arguments).output().ok()?;
     assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     Some(String::from_utf8(output.stdout).unwrap())
-}
-
-pub fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("SIM_DATA")
-        .map_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into(), PathBuf::from);
-    let path = folder.join("dem").join(name);
-    if !path.exists() {
-        eprintln!("skipped: no {name}");
-    }
-    path.exists().then_some(path)
 }
 
 pub fn open(path: &Path) -> Dem {

@@ -7,11 +7,12 @@ use perilune::terrain::build::MAX_NODES_PER_SIDE;
 use perilune::terrain::{NestedDem, build_cube, build_face};
 
 use super::models::*;
+use crate::fixtures::data;
 
 /// Against `gdallocationinfo`, which reads the pixel under a latitude and longitude.
 #[test]
 fn site01_heights_are_what_gdallocationinfo_reads() {
-    let Some(path) = data("site01_connecting_ridge_10m_1600.tif") else { return };
+    let Some(path) = data("dem/site01_connecting_ridge_10m_1600.tif") else { return };
     let dem = open(&path);
     for (column, row) in [(10, 20), (800, 800), (333, 1444), (1590, 7), (1200, 640)] {
         let centre = DVec2::new(f64::from(column), f64::from(row));
@@ -57,7 +58,7 @@ fn site01_nests_in_the_polar_cap_and_the_cap_in_the_globe() {
 
 #[test]
 fn gale_builds_on_a_spheroid() {
-    let Some(path) = data("mars_gale_hirise_1m_348x337.tif") else { return };
+    let Some(path) = data("dem/mars_gale_hirise_1m_348x337.tif") else { return };
     let dem = Dem::open(&path, &mars(), &Options::default()).unwrap();
     let middle = DVec2::new(174.0, 168.0);
     let centre = mars().geodetic_from_position(dem.points(&mars(), &[middle]).unwrap()[0]);
@@ -75,7 +76,7 @@ fn gale_builds_on_a_spheroid() {
 
 #[test]
 fn the_global_model_builds_a_cube() {
-    let Some(path) = data("moon_gld100_16ppd_global.tif") else { return };
+    let Some(path) = data("dem/moon_gld100_16ppd_global.tif") else { return };
     let options = Options { posting_m: Some(8000.0), ..Options::default() };
     let dem = Dem::open(&path, &Body::moon(), &options).unwrap();
     let centre = Geodetic::from_degrees(-89.0, 10.0, 0.0);

@@ -35,7 +35,7 @@ pub struct Patch {
 impl Patch {
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let level = &scene.face.levels[0];
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         let mut planes = Vec::new();
         for major in [Major::Row, Major::Column] {
             let sweep = Sweep::new(&scene.face, 0, major, settings);
