@@ -9,13 +9,17 @@ mod digest;
 mod error;
 mod georeference;
 mod picture;
+mod reader;
 mod sample;
+mod window;
 mod write;
 
-pub use dem::{Around, Dem, Options, Values, Window};
+pub use dem::{Dem, Options};
 pub use digest::digest;
 pub use error::Error;
 use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
 pub use picture::{Picture, notes};
+pub use reader::Values;
+pub use window::{Around, Window};
 pub use write::{Band, GeoTiff};

@@ -1,7 +1,9 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
 mod camera;
+mod light;
 mod output;
+mod surface;
 mod sweep;
 mod view;
 mod world;
@@ -14,13 +16,12 @@ use crate::render::ViewRays;
 pub use camera::{
     AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
 };
+pub use light::{Ambient, Bounce, Disc, Earthshine, FixedSun, LimbLaw, Sky, Spectrum, Sun};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use surface::{Albedo, Photometry, Surface};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
-pub use world::{
-    Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
-    Photometry, ShadowPreset, Shadows, Sky, Spectrum, Sun, Surface, Terrain, Values,
-};
+pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, ShadowPreset, Shadows, Terrain, Values};
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
