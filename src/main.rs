@@ -6,7 +6,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use perilune::scenario::ScenarioError;
+use perilune_engine::scenario::ScenarioError;
 
 /// Calibrated images of airless terrain for landing navigation.
 ///
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     // Keeps Mesa's device-select layer from printing on machines without a display.
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
-    perilune::horizon::memory::keep();
+    perilune_engine::horizon::memory::keep();
     let outcome = match Sim::parse().command {
         Command::Bench(args) => cli::bench::run(args),
         Command::Check(args) => cli::check::run(args),

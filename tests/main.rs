@@ -1,10 +1,11 @@
 //! All integration tests in one binary.
 
 mod architecture;
+mod bench;
 mod cli;
 mod compare;
 mod conformance;
-mod evaluate;
+mod docs;
 mod fixtures;
 mod invariants;
 mod readers;

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use perilune::pipeline::Progress;
+use perilune_engine::pipeline::Progress;
 
 /// One bar after the other, a stage each.
 #[derive(Debug)]

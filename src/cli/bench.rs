@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use perilune::evaluate::illumination::percentages;
-use perilune::evaluate::shadows::matrix::{self, QUICK_DEG};
-use perilune::evaluate::shadows::methods::{SLOW, USUAL, allowed, known};
-use perilune::evaluate::{Report, dataset, frame, horizons, radiometry, shadows, sources, stability};
+use perilune_bench::illumination as percentages;
+use perilune_bench::shadows::matrix::{self, QUICK_DEG};
+use perilune_bench::shadows::methods::{SLOW, USUAL, allowed, known};
+use perilune_bench::{dataset, frame, horizons, radiometry, shadows, sources, stability};
+use perilune_engine::report::Report;
 
 use super::Outcome;
 use super::bars::Bars;
@@ -157,8 +158,8 @@ struct Output {
 
 impl Output {
     /// Writes reports that are not whole yet where the whole one will lie.
-    fn publish(&self) -> impl Fn(&Report) -> Result<(), perilune::evaluate::Error> {
-        |report| report.write(&self.output).map(drop)
+    fn publish(&self) -> impl Fn(&Report) -> Result<(), perilune_bench::Error> {
+        |report| Ok(report.write(&self.output).map(drop)?)
     }
 }
 

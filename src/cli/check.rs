@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use perilune::pipeline;
-use perilune::scenario::ScenarioError;
+use perilune_engine::pipeline;
+use perilune_engine::scenario::ScenarioError;
 use serde_json::{Value as Json, json};
 
 use super::bars::Bars;

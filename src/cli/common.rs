@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use perilune::ephemeris::{Almanac, EphemerisError, default_kernel_folder};
-use perilune::scenario::{self, Scenario, ScenarioError};
+use perilune_engine::ephemeris::{Almanac, EphemerisError, default_kernel_folder};
+use perilune_engine::scenario::{self, Scenario, ScenarioError};
 
 use super::about;
 

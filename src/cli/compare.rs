@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use perilune::compare::{Freedom, GeometrySource, Law, Model, Request, compare};
+use perilune_engine::compare::{Freedom, GeometrySource, Law, Model, Request, compare};
 
 use super::bars::Bars;
 use super::common::Files;

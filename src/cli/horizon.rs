@@ -49,6 +49,6 @@ pub fn run(args: Args) -> Outcome {
 }
 
 /// A place in degrees, for messages.
-fn degrees(point: perilune::geometry::Geodetic) -> String {
+fn degrees(point: perilune_engine::geometry::Geodetic) -> String {
     format!("{:.6},{:.6}", point.latitude_rad.to_degrees(), point.longitude_east_rad.to_degrees())
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use perilune::dataset;
+use perilune_engine::dataset;
 use serde_json::Value as Json;
 
 use super::Outcome;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use perilune::ephemeris::{Kernel, Kind, default_span, make_default_kernels, parse_epoch, utc_text};
+use perilune_engine::ephemeris::{Kernel, Kind, default_span, make_default_kernels, parse_epoch, utc_text};
 use serde_json::json;
 
 use super::{Outcome, say};

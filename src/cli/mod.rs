@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::io::Write as _;
 
-use perilune::geometry::Geodetic;
+use perilune_engine::geometry::Geodetic;
 
 pub mod bars;
 pub mod bench;
@@ -52,7 +52,7 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
 
 /// What a file is and where it can be had, for the error that misses it.
 pub fn about(name: &str) -> Option<String> {
-    let file = perilune::ephemeris::known_file(name)?;
+    let file = perilune_engine::ephemeris::known_file(name)?;
     let checksum = file.sha256.as_ref().map_or(String::new(), |sha256| format!(", SHA-256 {sha256}"));
     Some(format!("{}, from {}{checksum}", file.what, file.source))
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use perilune::pipeline::{self, AdapterChoice, Options, Report, Stages};
+use perilune_engine::pipeline::{self, AdapterChoice, Options, Report, Stages};
 
 use super::bars::Bars;
 use super::common::Files;

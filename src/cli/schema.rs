@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use perilune::scenario;
+use perilune_engine::scenario;
 
 use super::Outcome;
 

@@ -1,11 +1,11 @@
 //! `sim sun`.
 
 use hifitime::{Duration, Epoch, Unit};
-use perilune::ephemeris::{
+use perilune_engine::ephemeris::{
     Almanac, BodyFrame, EphemerisError, Horizontal, Source, earth, horizontal, parse_epoch, sun, utc_text,
 };
-use perilune::geometry::{BodyFixed, Geodetic, Position};
-use perilune::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
+use perilune_engine::geometry::{BodyFixed, Geodetic, Position};
+use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
 
 use super::common::Kernels;

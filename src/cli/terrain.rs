@@ -6,10 +6,10 @@ use std::time::Duration;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use perilune::files;
-use perilune::geometry::{Body, Geodetic};
-use perilune::raster;
-use perilune::terrain::synthetic::{self, Parameters};
+use perilune_engine::files;
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster;
+use perilune_engine::terrain::synthetic::{self, Parameters};
 
 use super::{Outcome, place, say};
 

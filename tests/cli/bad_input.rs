@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use perilune::scenario::{Places, resolve};
+use perilune_engine::scenario::{Places, resolve};
 use tempfile::TempDir;
 
 /// A scenario without a fault. `dem.tif` lies beside it; nothing opens it here.

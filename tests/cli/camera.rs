@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use glam::DVec3;
-use perilune::dataset::read_exr;
-use perilune::scenario::{Places, Preset, Scenario, resolve};
+use perilune_engine::dataset::read_exr;
+use perilune_engine::scenario::{Places, Preset, Scenario, resolve};
 
 use super::run::Run;
 use crate::compare::scene::{Carrier, FOCAL_MM, Flight, PITCH_MM, PIXELS, isd};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use perilune::horizon::store;
+use perilune_engine::horizon::store;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -63,7 +63,7 @@ fn a_tile_is_verified_against_its_dem_and_no_other() {
 fn a_tile_that_does_not_err_as_it_says_fails() {
     let (folder, tile) = ridge();
     let (header, map) = store::read(&tile).unwrap();
-    let fails = |header: &store::Header, map: &perilune::horizon::HorizonMap, figure: &str| {
+    let fails = |header: &store::Header, map: &perilune_engine::horizon::HorizonMap, figure: &str| {
         store::write(&tile, header, map).unwrap();
         let output = sim(folder.path(), &["horizon", "verify", tile.to_str().unwrap(), "ridge.tif"]);
         let said = String::from_utf8(output.stderr).unwrap();
@@ -119,11 +119,11 @@ fn the_skyline_of_a_place_is_decoded_and_traced_at_true_azimuths() {
 fn a_whole_body_becomes_six_tiles() {
     let folder = TempDir::new().unwrap();
     let heights: Vec<f32> = (0..72 * 36).map(|pixel| (pixel * 37 % 1000) as f32).collect();
-    let bands = vec![perilune::raster::Band { name: "height", unit: "m", values: &heights }];
+    let bands = vec![perilune_engine::raster::Band { name: "height", unit: "m", values: &heights }];
     let metres = 1_737_400.0 * std::f64::consts::PI / 36.0;
     let crs = "+proj=eqc +R=1737400 +units=m +no_defs";
     let geotransform = [-36.0 * metres, metres, 0.0, 18.0 * metres, 0.0, -metres];
-    let globe = perilune::raster::GeoTiff { columns: 72, rows: 36, bands, crs, geotransform };
+    let globe = perilune_engine::raster::GeoTiff { columns: 72, rows: 36, bands, crs, geotransform };
     globe.write(&folder.path().join("globe.tif")).unwrap();
     let built = json(
         folder.path(),

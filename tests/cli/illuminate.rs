@@ -2,7 +2,7 @@
 
 use std::process::{Command, Output};
 
-use perilune::raster::Georeference;
+use perilune_engine::raster::Georeference;
 
 fn sim(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).output().unwrap()

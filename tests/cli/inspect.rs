@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use perilune::dataset::{Exposure, Facts, Run, Settings, White, Writer};
-use perilune::render::{Image, Plane, Quantity};
+use perilune_engine::dataset::{Exposure, Facts, Run, Settings, White, Writer};
+use perilune_engine::render::{Image, Plane, Quantity};
 use serde_json::Value;
 use tempfile::TempDir;
 

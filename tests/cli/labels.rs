@@ -1,6 +1,6 @@
 //! `sim run` with labels: landmarks, flow, hazards, changing shadows.
 
-use perilune::dataset::{ExrFile, LandmarkFile, read_exr};
+use perilune_engine::dataset::{ExrFile, LandmarkFile, read_exr};
 
 use super::run::{Run, SMALL};
 

@@ -1,6 +1,6 @@
 //! What records and planes say about the light of a run.
 
-use perilune::dataset::read_exr;
+use perilune_engine::dataset::read_exr;
 use serde_json::Value as Json;
 
 use super::run::{Run, SMALL};

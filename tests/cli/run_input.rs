@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use perilune::raster::{Band, GeoTiff};
+use perilune_engine::raster::{Band, GeoTiff};
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 
 use super::run::{Run, SMALL};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use perilune::scenario::{Dem, HeightAbove, Places, Scenario, Trajectory, resolve};
+use perilune_engine::scenario::{Dem, HeightAbove, Places, Scenario, Trajectory, resolve};
 
 fn sim(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).output().expect("sim runs")

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use perilune::dataset::{Manifest, Record, read_exr};
+use perilune_engine::dataset::{Manifest, Record, read_exr};
 
 use super::run::{Run, SMALL};
 

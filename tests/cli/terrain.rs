@@ -2,8 +2,8 @@
 
 use std::process::{Command, Output};
 
-use perilune::geometry::Body;
-use perilune::raster::{self, Dem, Options};
+use perilune_engine::geometry::Body;
+use perilune_engine::raster::{self, Dem, Options};
 
 fn sim(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).output().unwrap()

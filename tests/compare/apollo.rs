@@ -1,7 +1,7 @@
 //! Apollo 15 metric frames over the GLD100 model.
 
-use perilune::compare::{Comparison, Freedom, GeometrySource, Law, Model, Request, compare};
-use perilune::pipeline::{AdapterChoice, Silent};
+use perilune_engine::compare::{Comparison, Freedom, GeometrySource, Law, Model, Request, compare};
+use perilune_engine::pipeline::{AdapterChoice, Silent};
 
 use crate::fixtures::data;
 

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use gdal::raster::RasterCreationOptions;
 use gdal::{Dataset, DriverManager};
-use perilune::raster::Picture;
+use perilune_engine::raster::Picture;
 
 use super::scene::{Case, Flight, PITCH_MM, PIXELS, isd, photograph, sun};
 

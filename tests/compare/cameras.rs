@@ -1,8 +1,8 @@
 //! Frame, line-scan and push-frame cameras: ISDs of known cameras, photographs by a few independent lines.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use perilune::compare::{Comparison, Error, Request, compare};
-use perilune::pipeline::Silent;
+use perilune_engine::compare::{Comparison, Error, Request, compare};
+use perilune_engine::pipeline::Silent;
 use serde_json::{Value, json};
 
 use super::scene::{Carrier, Case, FOCAL_MM, Flight, PITCH_MM, PIXELS, isd, photograph, sun};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use perilune::raster::{Band, GeoTiff};
+use perilune_engine::raster::{Band, GeoTiff};
 
 use crate::cli::run::{Run, SMALL};
 

@@ -1,9 +1,9 @@
 //! Known motions are found within their stated errors.
 
 use glam::DVec2;
-use perilune::compare::photometric::Response;
-use perilune::compare::register::{Freedom, Motion, register, register_detail, warped};
-use perilune::compare::{Error, Grid, Model};
+use perilune_engine::compare::photometric::Response;
+use perilune_engine::compare::register::{Freedom, Motion, register, register_detail, warped};
+use perilune_engine::compare::{Error, Grid, Model};
 
 const SIZE: usize = 200;
 

@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DQuat, DVec3};
-use perilune::compare::{Freedom, Model};
-use perilune::compare::{GeometrySource, Request};
-use perilune::pipeline::AdapterChoice;
-use perilune::raster::{Band, GeoTiff};
+use perilune_engine::compare::{Freedom, Model};
+use perilune_engine::compare::{GeometrySource, Request};
+use perilune_engine::pipeline::AdapterChoice;
+use perilune_engine::raster::{Band, GeoTiff};
 use serde_json::{Value, json};
 
 pub const R: f64 = 1_737_400.0;
@@ -181,7 +181,7 @@ impl Case {
             dems: vec![self.path("dem.tif")],
             albedo: None,
             force: false,
-            law: Some(perilune::compare::Law::LommelSeeliger),
+            law: Some(perilune_engine::compare::Law::LommelSeeliger),
             freedom: Freedom::Similarity,
             fit_pose: false,
             model: Model::Gain,

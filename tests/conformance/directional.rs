@@ -3,18 +3,18 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Direction, Position};
-use perilune::horizon::Settings;
-use perilune::horizon::settings::direction as direction_of;
-use perilune::horizon::trace::Tracer;
-use perilune::photometry::{Facet, HorizonLine, SunAxes};
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Scene, Shadows, View};
-use perilune::shadow::fan::{THREE, line_of_three};
-use perilune::shadow::single_azimuth::{believed, lanes};
-use perilune::shadow::swath::Plan;
-use perilune::shadow::{Edge, HeldLight, OutsideSwath, SingleAzimuth, Swath, Swept, Towards};
-use perilune::terrain::{Surface, Terrain};
+use perilune_engine::geometry::{Direction, Position};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::settings::direction as direction_of;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::photometry::{Facet, HorizonLine, SunAxes};
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Scene, Shadows, View};
+use perilune_engine::shadow::fan::{THREE, line_of_three};
+use perilune_engine::shadow::single_azimuth::{believed, lanes};
+use perilune_engine::shadow::swath::Plan;
+use perilune_engine::shadow::{Edge, HeldLight, OutsideSwath, SingleAzimuth, Swath, Swept, Towards};
+use perilune_engine::terrain::{Surface, Terrain};
 
 use super::render::{cube, scenes};
 

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use perilune::horizon::pack::{Family, Field, pack, unpack};
-use perilune::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
+use perilune_engine::horizon::pack::{Family, Field, pack, unpack};
+use perilune_engine::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
 
 use super::{Comparison, Shader, functions, gpu, spread};
 

@@ -2,13 +2,13 @@
 
 use std::mem::offset_of;
 
-use perilune::horizon::Encoding;
-use perilune::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
-use perilune::render::layout::{
+use perilune_engine::horizon::Encoding;
+use perilune_engine::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
+use perilune_engine::render::layout::{
     BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
 };
-use perilune::render::passes::{BAKE_SHADER, SHADER};
-use perilune::shadow::multiscale::device;
+use perilune_engine::render::passes::{BAKE_SHADER, SHADER};
+use perilune_engine::shadow::multiscale::device;
 
 /// Name and offset of every member of a WGSL struct, and its size.
 fn layout(source: &str, name: &str) -> (Vec<(String, usize)>, usize) {

@@ -1,10 +1,10 @@
 //! Runs over maximum mipmaps and light from the sky: the pass against the reference.
 
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Ambient, Renderer, Scene, Shadows};
-use perilune::shadow::sky::{Harmonic, shares};
-use perilune::shadow::{Mipmaps, Multiscale};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Ambient, Renderer, Scene, Shadows};
+use perilune_engine::shadow::sky::{Harmonic, shares};
+use perilune_engine::shadow::{Mipmaps, Multiscale};
 
 use super::render::{compare, scenes};
 
@@ -52,7 +52,7 @@ fn the_pass_lights_from_the_sky_as_the_reference_does() {
     for (name, mut scene, view) in scenes().into_iter().filter(|(name, ..)| few.contains(name)) {
         let surface = &scene.surface;
         let sky = Harmonic::new(Multiscale::new(&surface.terrain, 1, 1.0, 0.0), 4);
-        let of_face = |(face, levels): (usize, &perilune::terrain::Face)| {
+        let of_face = |(face, levels): (usize, &perilune_engine::terrain::Face)| {
             (0..levels.levels.len()).map(|level| shares(surface, [face, level], &sky)).collect()
         };
         let shares = surface.terrain.faces.iter().enumerate().map(of_face).collect();

@@ -18,7 +18,7 @@ mod visibility;
 
 use std::sync::OnceLock;
 
-use perilune::gpu::{Adapter, Gpu};
+use perilune_engine::gpu::{Adapter, Gpu};
 
 /// The one device of this binary, or `None` with the reason printed.
 pub fn gpu() -> Option<&'static Gpu> {

@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use perilune::evaluate::stability::scenes::{Grid, flat_body};
-use perilune::geometry::{Body, Position};
-use perilune::gpu::Gpu;
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Light, Renderer, Shadows};
-use perilune::shadow::multiscale::device::OnDevice;
-use perilune::shadow::skylines::{Feet, Field};
-use perilune::shadow::{HeldLight, Multiscale, Skylines, Towards};
-use perilune::terrain::{Face, Surface, Terrain};
+use perilune_bench::stability::scenes::{Grid, flat_body};
+use perilune_engine::geometry::{Body, Position};
+use perilune_engine::gpu::Gpu;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Light, Renderer, Shadows};
+use perilune_engine::shadow::multiscale::device::OnDevice;
+use perilune_engine::shadow::skylines::{Feet, Field};
+use perilune_engine::shadow::{HeldLight, Multiscale, Skylines, Towards};
+use perilune_engine::terrain::{Face, Surface, Terrain};
 
 use super::render::{compare, cube, scenes};
 use crate::reference::horizon::scene::{cratered, nested};

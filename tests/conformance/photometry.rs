@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
-use perilune::photometry::{
+use perilune_engine::photometry::{
     DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, REFLECTANCE_WGSL, Reflectance,
     SOLAR_DISK_WGSL, SolarDisk,
 };

@@ -1,15 +1,15 @@
 //! The compute pass against the reference renderer, image by image.
 
 use glam::{DVec2, DVec3};
-use perilune::camera::Camera as Optics;
-pub use perilune::evaluate::stability::scenes::cube;
-use perilune::evaluate::stability::scenes::{level, waves};
-use perilune::geometry::{Body, Geodetic, Position, Rotation};
-use perilune::photometry::{LimbDarkening, Reflectance, SolarDisk};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
-use perilune::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
+pub use perilune_bench::stability::scenes::cube;
+use perilune_bench::stability::scenes::{level, waves};
+use perilune_engine::camera::Camera as Optics;
+use perilune_engine::geometry::{Body, Geodetic, Position, Rotation};
+use perilune_engine::photometry::{LimbDarkening, Reflectance, SolarDisk};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
 
 fn nested() -> Terrain {
     let map = Gnomonic::about(&Body::moon(), Geodetic::from_degrees(-88.0, 25.0, 0.0));

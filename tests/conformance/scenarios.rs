@@ -4,11 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
-use perilune::pipeline::{self, Silent};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Quantity, Renderer};
-use perilune::scenario::{self, Dem, Scenario};
+use perilune_engine::pipeline::{self, Silent};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer};
+use perilune_engine::scenario::{self, Dem, Scenario};
 
 use super::render::compare;
 use crate::fixtures;

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use perilune::horizon::{Encoding, HorizonMap, Memory, Settings};
-use perilune::pipeline::{self, Silent, ground};
-use perilune::render::passes::Passes;
-use perilune::render::reference::{self, Reference};
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::skylines::Field;
-use perilune::shadow::{Baked, HeldLight, OutsideSwath, Skylines, Towards};
-use perilune::terrain::Surface;
+use perilune_engine::horizon::{Encoding, HorizonMap, Memory, Settings};
+use perilune_engine::pipeline::{self, Silent, ground};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::{self, Reference};
+use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::shadow::skylines::Field;
+use perilune_engine::shadow::{Baked, HeldLight, OutsideSwath, Skylines, Towards};
+use perilune_engine::terrain::Surface;
 
 use super::render::{compare, scenes};
 
@@ -76,7 +76,7 @@ fn a_renderer_bakes_anew_when_the_sun_has_moved() {
     scene.shadows = Shadows::Baked(Baked(maps));
     let mut moved = view.clone();
     let sun_m = moved.lights[0].position.vector_m();
-    moved.lights[0].position = perilune::geometry::Position::from_m(glam::DQuat::from_rotation_z(0.1) * sun_m);
+    moved.lights[0].position = perilune_engine::geometry::Position::from_m(glam::DQuat::from_rotation_z(0.1) * sun_m);
     let mut renderer = Passes::new(gpu);
     let first = renderer.samples(&scene, &view).unwrap();
     let second = renderer.samples(&scene, &moved).unwrap();

@@ -1,7 +1,7 @@
 //! View rays from a coarse mesh against rays that are cast exactly from the camera.
 
-use perilune::render::passes::Passes;
-use perilune::render::{Renderer, Samples, ViewRays};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::{Renderer, Samples, ViewRays};
 
 use super::render::{compare, scenes};
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::DVec2;
-use perilune::geometry::{Body, Geodetic};
-use perilune::horizon::{Encoding, HorizonMap, Request, Settings, build, store};
-use perilune::terrain::{Face, Gnomonic, Level};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::horizon::{Encoding, HorizonMap, Request, Settings, build, store};
+use perilune_engine::terrain::{Face, Gnomonic, Level};
 
 /// Points of a CSV file, in nodes; fractions lie between texels of every scale.
 const POINTS: [[f64; 2]; 9] =

@@ -1,10 +1,10 @@
 //! Lighting factors of horizon maps: the pass against the reference, and both against the skyline's own line.
 
-use perilune::horizon::{Encoding, HorizonMap};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::{At, Lighting, Visibility};
+use perilune_engine::horizon::{Encoding, HorizonMap};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::shadow::{At, Lighting, Visibility};
 
 use super::render::compare;
 use super::skylines::nested;

@@ -3,9 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DQuat, DVec2, DVec3};
-use perilune::geometry::{BodyFixed, Direction, Local};
-use perilune::photometry::quadrature::{gauss_legendre, integrate};
-use perilune::photometry::{
+use perilune_engine::geometry::{BodyFixed, Direction, Local};
+use perilune_engine::photometry::quadrature::{gauss_legendre, integrate};
+use perilune_engine::photometry::{
     DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk, SunAxes,
 };
 

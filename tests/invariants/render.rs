@@ -1,12 +1,12 @@
 //! What holds for any renderer.
 
 use glam::{DMat3, DVec2, DVec3};
-use perilune::ephemeris::Source;
-use perilune::geometry::{Body, BodyFixed, Direction, Position, Rotation};
-use perilune::horizon::Settings;
-use perilune::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M};
-use perilune::render::{Light, Samples, Scene, Shadows, View};
-use perilune::terrain::Terrain;
+use perilune_engine::ephemeris::Source;
+use perilune_engine::geometry::{Body, BodyFixed, Direction, Position, Rotation};
+use perilune_engine::horizon::Settings;
+use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M};
+use perilune_engine::render::{Light, Samples, Scene, Shadows, View};
+use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{self, Grid, map};
 
@@ -78,7 +78,7 @@ fn a_larger_world_looks_the_same() {
         *length_m *= 4.0;
     }
     level.heights_m.iter_mut().for_each(|height_m| *height_m *= 4.0);
-    other.surface = perilune::terrain::Surface::new(other.surface.terrain.clone());
+    other.surface = perilune_engine::terrain::Surface::new(other.surface.terrain.clone());
     let mut far = view();
     far.camera_position = Position::from_m(4.0 * far.camera_position.vector_m());
     far.lights[0].position = Position::from_m(4.0 * far.lights[0].position.vector_m());

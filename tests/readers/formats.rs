@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use perilune::dataset::{ExrFile, Record, read_exr};
+use perilune_engine::dataset::{ExrFile, Record, read_exr};
 use serde_json::Value;
 
 use super::{python, told};

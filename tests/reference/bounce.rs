@@ -3,14 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Direction, Position};
-use perilune::horizon::Settings;
-use perilune::photometry::{Hapke, Reflectance};
-use perilune::render::passes::Passes;
-use perilune::render::reference::{Reference, irradiance_w_m2};
-use perilune::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
-use perilune::shadow::{Skylines, Traced};
-use perilune::terrain::{Ground, Hit, Terrain};
+use perilune_engine::geometry::{Direction, Position};
+use perilune_engine::horizon::Settings;
+use perilune_engine::photometry::{Hapke, Reflectance};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::{Reference, irradiance_w_m2};
+use perilune_engine::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
+use perilune_engine::shadow::{Skylines, Traced};
+use perilune_engine::terrain::{Ground, Hit, Terrain};
 
 use crate::conformance::gpu;
 use crate::scenes::{self, Grid, SOLAR_IRRADIANCE_W_M2, SOLAR_RADIUS_RAD, flat_body, map};
@@ -43,7 +43,7 @@ fn view(light: Light, height_m: f64) -> View {
     View {
         exposure: 0,
         camera_position,
-        camera_from_body: perilune::geometry::Rotation::from_axes(axes[0], axes[1], axes[2]),
+        camera_from_body: perilune_engine::geometry::Rotation::from_axes(axes[0], axes[1], axes[2]),
         lights: vec![light],
     }
 }
@@ -62,7 +62,7 @@ fn bowl() -> Terrain {
 
 /// Bounced irradiance at a map point.
 fn bounced(scene: &Scene, view: &View, at_m: DVec2) -> f64 {
-    let shadow = perilune::render::reference::shadow(scene, view, &Skylines::default()).unwrap();
+    let shadow = perilune_engine::render::reference::shadow(scene, view, &Skylines::default()).unwrap();
     let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(scene, view, shadow.as_deref());
     let level = &scene.surface.terrain.faces[0].levels[0];
     level.bilinear_of(&field[0][0], level.grid_from_map(at_m)).unwrap()
@@ -142,7 +142,7 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
             if believed.is_empty() {
                 believed = nodes.iter().map(|node| by_rays(&scene, &view, *node)).collect();
             }
-            let shadow = perilune::render::reference::shadow(&scene, &view, &Skylines::default()).unwrap();
+            let shadow = perilune_engine::render::reference::shadow(&scene, &view, &Skylines::default()).unwrap();
             let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(&scene, &view, shadow.as_deref());
             let level = &scene.surface.terrain.faces[0].levels[0];
             let got: Vec<f64> =
@@ -171,7 +171,7 @@ fn renderers_agree_on_bounced_light() {
     scene.reflectance = Reflectance::Hapke(Hapke::moon());
     scene.albedo = Some(vec![vec![(0..nodes).map(|i| 0.2 + 0.03 * (i % 7) as f32).collect()]]);
     scene.albedo_role = AlbedoRole::SingleScattering;
-    let mean = |samples: &perilune::render::Samples| {
+    let mean = |samples: &perilune_engine::render::Samples| {
         samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr)).sum::<f64>() / samples.pixels.len() as f64
     };
     let lit = Reference.samples(&scene, &view).unwrap();

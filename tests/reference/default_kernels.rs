@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use hifitime::{Epoch, Unit};
-use perilune::ephemeris::{
+use perilune_engine::ephemeris::{
     Almanac, DEFAULT_KERNELS, EARTH_RADIUS_M, Kernel, apparent, known_file, make_default_kernels, parse_epoch, sun,
 };
-use perilune::geometry::{Geodetic, Position};
+use perilune_engine::geometry::{Geodetic, Position};
 
 use super::ephemeris::{DE440_KERNELS, default_almanac, kernel_folder, load};
 use crate::fixtures::data;
@@ -94,7 +94,7 @@ fn the_manifest_states_the_files_at_hand() {
                 continue;
             }
             let known = known_file(&name).unwrap_or_else(|| panic!("{name} is not in the manifest"));
-            assert_eq!(known.sha256.as_deref(), Some(perilune::digest::sha256_hex(&bytes).as_str()), "{name}");
+            assert_eq!(known.sha256.as_deref(), Some(perilune_engine::digest::sha256_hex(&bytes).as_str()), "{name}");
         }
     }
     assert!(bytes_in_all < 4_000_000, "kernels/ holds {bytes_in_all} bytes");

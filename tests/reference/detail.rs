@@ -1,9 +1,9 @@
 //! Ground below the posting of a measured model: it goes on as it was, and measured again it is what was measured.
 
 use glam::DVec2;
-use perilune::geometry::{Body, Geodetic};
-use perilune::raster::{Band, Dem, GeoTiff, Options};
-use perilune::terrain::synthetic::{Continued, Detail, Structure, continue_below};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster::{Band, Dem, GeoTiff, Options};
+use perilune_engine::terrain::synthetic::{Continued, Detail, Structure, continue_below};
 
 const SIDE: usize = 201;
 const OLD_M: f64 = 20.0;

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use glam::{DMat3, DVec3};
 use hifitime::{Epoch, Unit};
-use perilune::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, earth, horizontal, parse_epoch, sun};
-use perilune::geometry::Geodetic;
-use perilune::quantity::{ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S};
+use perilune_engine::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, earth, horizontal, parse_epoch, sun};
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S};
 
 use crate::fixtures::data;
 

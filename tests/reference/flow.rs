@@ -1,11 +1,11 @@
 //! Optical flow against closed forms, and against rays cast from the other image.
 
 use glam::{DMat3, DVec2, DVec3};
-use perilune::geometry::{Body, Rotation};
-use perilune::labels::Flow;
-use perilune::render::reference::Reference;
-use perilune::render::{Quantity, Renderer, Scene, View};
-use perilune::terrain::{Ground, Hit, Terrain};
+use perilune_engine::geometry::{Body, Rotation};
+use perilune_engine::labels::Flow;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Scene, View};
+use perilune_engine::terrain::{Ground, Hit, Terrain};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
 

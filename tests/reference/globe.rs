@@ -5,13 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Body, Direction, Position};
-use perilune::horizon::settings::direction;
-use perilune::horizon::{Encoding, ErrorStatistics, HorizonMap, Memory, Settings, store};
-use perilune::pipeline::globe::{Globe, Options, Report, build, index};
-use perilune::pipeline::{Error, Silent};
-use perilune::raster::{Band, GeoTiff, Values};
-use perilune::terrain::quadtree::TileId;
+use perilune_engine::geometry::{Body, Direction, Position};
+use perilune_engine::horizon::settings::direction;
+use perilune_engine::horizon::{Encoding, ErrorStatistics, HorizonMap, Memory, Settings, store};
+use perilune_engine::pipeline::globe::{Globe, Options, Report, build, index};
+use perilune_engine::pipeline::{Error, Silent};
+use perilune_engine::raster::{Band, GeoTiff, Values};
+use perilune_engine::terrain::quadtree::TileId;
 use tempfile::TempDir;
 
 const PIXELS_PER_DEGREE: usize = 1;

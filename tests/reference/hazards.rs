@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
-use perilune::geometry::{Body, Position};
-use perilune::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
-use perilune::render::planes::Radiometry;
-use perilune::render::reference::{self, Reference};
-use perilune::render::{Quantity, Renderer, Scene, Shadows};
-use perilune::shadow::Skylines;
-use perilune::terrain::{Hit, Surface};
+use perilune_engine::geometry::{Body, Position};
+use perilune_engine::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::reference::{self, Reference};
+use perilune_engine::render::{Quantity, Renderer, Scene, Shadows};
+use perilune_engine::shadow::Skylines;
+use perilune_engine::terrain::{Hit, Surface};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
 
@@ -100,7 +100,7 @@ fn a_footprint_over_the_edge_of_the_terrain_is_unknown() {
 }
 
 /// A wall of 20 m in the east, the Sun behind it 45° high: the ground before it is dark for 20 m, then lit.
-fn shaded() -> (Scene, perilune::render::View) {
+fn shaded() -> (Scene, perilune_engine::render::View) {
     let body = flat_body();
     let terrain = Grid::square(200.0, 1.0).terrain(&body, |at_m| if at_m.x > 20.0 { 20.0 } else { 0.0 });
     let map = map(&body);

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec2, DVec3};
-use perilune::camera::{Camera as Optics, Distortion};
-use perilune::geometry::{Body, Direction, Geodetic, Rotation};
-use perilune::labels::{Crater, Ellipse, Landmark, Origin, Rim, Wanted, landmarks};
-use perilune::render::{Scene, Shadows, View, reference};
-use perilune::shadow::Skylines;
-use perilune::terrain::Terrain;
+use perilune_engine::camera::{Camera as Optics, Distortion};
+use perilune_engine::geometry::{Body, Direction, Geodetic, Rotation};
+use perilune_engine::labels::{Crater, Ellipse, Landmark, Origin, Rim, Wanted, landmarks};
+use perilune_engine::render::{Scene, Shadows, View, reference};
+use perilune_engine::shadow::Skylines;
+use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{Grid, bare, flat_body, map, nadir, pinhole, scene, sun};
 
@@ -257,7 +257,7 @@ fn craters_beyond_the_limb_or_beside_the_image_are_not_landmarks() {
     // It is larger than the image, and may be worn down further than asked for.
     let body = Body::moon();
     let crater = Crater { degradation: Some(0.4), ..crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0) };
-    let rim = Rim::of(&crater, &perilune::terrain::Surface::new(bare(body)));
+    let rim = Rim::of(&crater, &perilune_engine::terrain::Surface::new(bare(body)));
     let craters = [(crater, rim)];
     let listed = |wanted: Wanted| landmarks(&narrow, &view, None, &craters, &wanted).len();
     let all = Wanted { smallest_px: 1.0, largest_px: around.diameter_px + 1.0, most_degraded: 0.5 };

@@ -1,9 +1,9 @@
 //! Photometry against published values that need more than one module.
 
 use glam::DVec3;
-use perilune::geometry::{Direction, Local};
-use perilune::photometry::{HorizonLine, LimbDarkening, SolarDisk, SunAxes};
-use perilune::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
+use perilune_engine::geometry::{Direction, Local};
+use perilune_engine::photometry::{HorizonLine, LimbDarkening, SolarDisk, SunAxes};
+use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 
 /// Level polar ground at 1.5° Sun elevation, the Sun's centre on a level horizon: half the disc lights it, and its
 /// irradiance is 7.1 % above the half of 1361 sin 1.5° W/m². From vectors to watts in one go.

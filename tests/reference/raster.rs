@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Body, Geodetic};
-use perilune::raster::{Band, Dem, Error, GeoTiff, Georeference, Options, Values, Window};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster::{Band, Dem, Error, GeoTiff, Georeference, Options, Values, Window};
 
 use models::*;
 

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::Body;
-use perilune::pipeline::{self, Silent};
-use perilune::quantity::LUNAR_RADIUS_M;
-use perilune::raster::{Dem, Options};
-use perilune::render::reference::Reference;
-use perilune::render::{Image, Quantity, Renderer};
-use perilune::scenario::{self, Shadows};
+use perilune_engine::geometry::Body;
+use perilune_engine::pipeline::{self, Silent};
+use perilune_engine::quantity::LUNAR_RADIUS_M;
+use perilune_engine::raster::{Dem, Options};
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Image, Quantity, Renderer};
+use perilune_engine::scenario::{self, Shadows};
 
 /// South polar stereographic coordinates, true at the pole: ρ = 2 R tan((90° − |lat|)/2), x = ρ sin lon, y = ρ cos lon.
 fn stereographic_m(latitude_deg: f64, longitude_deg: f64) -> DVec2 {

@@ -4,16 +4,16 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Body, Geodetic, Position};
-use perilune::horizon::Encoding;
-use perilune::pipeline::globe::{Globe, Options};
-use perilune::pipeline::{self, Prepared, Silent};
-use perilune::raster::{self, Dem};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Quantity, Renderer, Scene, Shadows, View};
-use perilune::scenario::{self, Places, Scenario};
-use perilune::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
+use perilune_engine::geometry::{Body, Geodetic, Position};
+use perilune_engine::horizon::Encoding;
+use perilune_engine::pipeline::globe::{Globe, Options};
+use perilune_engine::pipeline::{self, Prepared, Silent};
+use perilune_engine::raster::{self, Dem};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
+use perilune_engine::scenario::{self, Places, Scenario};
+use perilune_engine::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
 use tempfile::TempDir;
 
 use crate::{conformance, fixtures};
@@ -90,7 +90,7 @@ fn tiles_of_different_detail_meet_without_a_step() {
 fn scenario(folder: &TempDir) -> Scenario {
     write_globe(&folder.path().join("globe.tif"), &height_m);
     let made = Options {
-        settings: perilune::horizon::Settings { azimuths: 64, ..Default::default() },
+        settings: perilune_engine::horizon::Settings { azimuths: 64, ..Default::default() },
         encoding: Encoding::F16,
         margin: 24,
         tiles: vec!["0/1-2".parse().unwrap()],
@@ -256,7 +256,7 @@ fn shadows_of_the_real_moon_are_as_right_beside_borders_as_elsewhere() {
         posting_m: None,
         cells: 64,
         margin: 64,
-        settings: perilune::horizon::Settings { azimuths: 128, ..Default::default() },
+        settings: perilune_engine::horizon::Settings { azimuths: 128, ..Default::default() },
         encoding: Encoding::Fm16,
         tiles: vec!["0/0".parse().unwrap()],
         ..options(&folder, "given")

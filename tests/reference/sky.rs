@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
-use perilune::render::Shadows;
-use perilune::shadow::Multiscale;
-use perilune::shadow::sky::{AllRound, FromMaps, Harmonic, Harmonics, Wedges, share, wedge};
-use perilune::terrain::Surface;
+use perilune_engine::render::Shadows;
+use perilune_engine::shadow::Multiscale;
+use perilune_engine::shadow::sky::{AllRound, FromMaps, Harmonic, Harmonics, Wedges, share, wedge};
+use perilune_engine::terrain::Surface;
 
 use crate::scenes::{self, Grid, flat_body, map};
 

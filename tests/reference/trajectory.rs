@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use glam::DVec3;
 use hifitime::{Epoch, TimeScale, Unit};
-use perilune::ephemeris::trajectory::{Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
-use perilune::ephemeris::{Almanac, BodyFrame, parse_epoch};
-use perilune::geometry::Position;
+use perilune_engine::ephemeris::trajectory::{Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
+use perilune_engine::ephemeris::{Almanac, BodyFrame, parse_epoch};
+use perilune_engine::geometry::Position;
 
 use super::ephemeris::load;
 

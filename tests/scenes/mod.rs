@@ -1,13 +1,13 @@
 //! Small scenes with closed forms, and whoever can render them.
 
-use perilune::camera::Camera as Optics;
-pub use perilune::evaluate::stability::scenes::*;
-use perilune::horizon::{self, Encoding, Request, Settings};
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune::shadow::{Edge, SingleAzimuth, Swept};
-use perilune::terrain::{Face, Terrain};
+pub use perilune_bench::stability::scenes::*;
+use perilune_engine::camera::Camera as Optics;
+use perilune_engine::horizon::{self, Encoding, Request, Settings};
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::shadow::{Edge, SingleAzimuth, Swept};
+use perilune_engine::terrain::{Face, Terrain};
 
 use crate::conformance::gpu;
 

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use perilune::evaluate::machine::peak_memory_mib;
-use perilune::geometry::Geodetic;
-use perilune::horizon::{self, Encoding, ErrorStatistics, Memory};
-use perilune::pipeline::Progress;
-use perilune::pipeline::ground::{self, Ground, Tile};
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::horizon::{self, Encoding, ErrorStatistics, Memory};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::pipeline::ground::{self, Ground, Tile};
+use perilune_engine::report::machine::peak_memory_mib;
 use serde_json::{Value as Json, json};
 
 use super::levels;

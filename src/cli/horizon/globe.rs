@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use perilune::evaluate::machine::peak_memory_mib;
-use perilune::horizon::{self, Encoding, Memory};
-use perilune::pipeline::globe::index::OverallErrors;
-use perilune::pipeline::globe::{self, Options, Selection};
+use perilune_engine::horizon::{self, Encoding, Memory};
+use perilune_engine::pipeline::globe::index::OverallErrors;
+use perilune_engine::pipeline::globe::{self, Options, Selection};
+use perilune_engine::report::machine::peak_memory_mib;
 use serde_json::{Value as Json, json};
 
 use super::build::{in_degrees, row};

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use perilune::ephemeris::{Almanac, default_kernel_folder};
-use perilune::geometry::{Body, Geodetic};
-use perilune::horizon::Request;
-use perilune::horizon::store::Header;
-use perilune::pipeline::Progress;
-use perilune::pipeline::ground::{self, Ground};
-use perilune::raster;
-use perilune::scenario::{self, Dem};
+use perilune_engine::ephemeris::{Almanac, default_kernel_folder};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::horizon::Request;
+use perilune_engine::horizon::store::Header;
+use perilune_engine::pipeline::Progress;
+use perilune_engine::pipeline::ground::{self, Ground};
+use perilune_engine::raster;
+use perilune_engine::scenario::{self, Dem};
 
 /// How DEMs become levels.
 #[derive(Debug, clap::Args)]

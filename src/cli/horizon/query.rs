@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use perilune::files;
-use perilune::geometry::Geodetic;
-use perilune::horizon::inspect::Place;
-use perilune::horizon::store;
-use perilune::horizon::trace::Tracer;
+use perilune_engine::files;
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::horizon::inspect::Place;
+use perilune_engine::horizon::store;
+use perilune_engine::horizon::trace::Tracer;
 use serde_json::json;
 
 use super::levels::{self, find};

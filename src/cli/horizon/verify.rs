@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use perilune::evaluate;
-use perilune::geometry::Geodetic;
-use perilune::horizon::store;
-use perilune::pipeline::Progress;
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::horizon::store;
+use perilune_engine::horizon::verify::verify;
+use perilune_engine::pipeline::Progress;
 use serde_json::json;
 
 use super::build::{in_degrees, row};
@@ -48,7 +48,7 @@ pub fn run(args: Args) -> Outcome {
     let (face, level) = find(&ground, &args.tile, &header)?;
     bars.begin("tracing", 1, "sample");
     let face = &ground.surface.terrain.faces[face];
-    let found = evaluate::verify(face, level, &header, &map, args.count as usize, args.seed);
+    let found = verify(face, level, &header, &map, args.count as usize, args.seed);
     bars.clear();
 
     let [stated, repeated, drawn] = [&header.errors.decoded, &found.repeated, &found.drawn].map(in_degrees);

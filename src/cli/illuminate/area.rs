@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use perilune::geometry::Geodetic;
-use perilune::illumination::Area;
+use perilune_engine::geometry::Geodetic;
+use perilune_engine::illumination::Area;
 use serde_json::Value as Json;
 
 use crate::cli::place;

@@ -1,8 +1,8 @@
 //! The bound of each node's error against skylines traced at nodes that did not shape it.
 
-use perilune::evaluate::verify;
-use perilune::geometry::Body;
-use perilune::horizon::{Encoding, Request, Settings, build, store};
+use perilune_engine::geometry::Body;
+use perilune_engine::horizon::verify::verify;
+use perilune_engine::horizon::{Encoding, Request, Settings, build, store};
 
 use super::scene::cratered;
 

@@ -3,10 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
-use perilune::horizon::Settings;
-use perilune::horizon::settings::direction;
-use perilune::horizon::trace::Tracer;
-use perilune::terrain::Face;
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::settings::direction;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::terrain::Face;
 
 use super::scene::{face, flat_map, level, lunar_map, swept};
 

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use half::f16;
-use perilune::horizon::fit::{Accumulator, Plane};
-use perilune::horizon::pack::Family;
-use perilune::horizon::sweep::grid::Major;
-use perilune::horizon::{Encoding, HorizonMap};
+use perilune_engine::horizon::fit::{Accumulator, Plane};
+use perilune_engine::horizon::pack::Family;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::{Encoding, HorizonMap};
 
 const SIDE: usize = 32;
 const AZIMUTHS: usize = 144;

@@ -1,10 +1,10 @@
 //! The search on a graphics device against the trace.
 
-use perilune::horizon::gpu::OnDevice;
-use perilune::horizon::sweep::grid::Major;
-use perilune::horizon::trace::Tracer;
-use perilune::horizon::{ErrorStatistics, Settings};
-use perilune::terrain::Face;
+use perilune_engine::horizon::gpu::OnDevice;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{ErrorStatistics, Settings};
+use perilune_engine::terrain::Face;
 
 use super::scene::{Random, cratered, nested};
 use crate::conformance::gpu;

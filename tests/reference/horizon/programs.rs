@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::Command;
 
 use glam::DVec2;
-use perilune::horizon::Settings;
-use perilune::horizon::settings::direction;
-use perilune::horizon::trace::Tracer;
-use perilune::terrain::Level;
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::settings::direction;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::terrain::Level;
 
 use super::scene::{face, flat_map, level, lunar_map};
 use crate::fixtures::data;
@@ -17,7 +17,7 @@ use crate::fixtures::data;
 fn a_ring_wall_stands_as_high_as_grass_prints() {
     let Some(path) = data("horizon_reference/ring_with_curvature.csv") else { return };
     let table = std::fs::read_to_string(path).unwrap();
-    let map = perilune::terrain::Gnomonic { radius_m: 6_371_000.0, ..lunar_map() };
+    let map = perilune_engine::terrain::Gnomonic { radius_m: 6_371_000.0, ..lunar_map() };
     let ring = |at: DVec2| if at.length() >= 5000.0 { 1000.0 } else { 0.0 };
     let face = face(map.clone(), vec![level(&map, 1101, 10.0, DVec2::ZERO, ring)]);
     let settings = Settings::default();

@@ -1,12 +1,12 @@
 //! Small terrains for the horizon tests.
 
 use glam::DVec2;
-use perilune::evaluate::scenes::Scene;
-use perilune::geometry::{Body, Geodetic};
-use perilune::horizon::Settings;
-use perilune::horizon::sweep::Sweep;
-use perilune::horizon::sweep::grid::Major;
-use perilune::terrain::{Face, Gnomonic, Level};
+use perilune_bench::scenes::Scene;
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::sweep::Sweep;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::terrain::{Face, Gnomonic, Level};
 
 use crate::fixtures::data_folder;
 

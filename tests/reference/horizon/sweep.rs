@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use glam::DVec2;
-use perilune::horizon::sweep::Sweep;
-use perilune::horizon::sweep::grid::Major;
-use perilune::horizon::trace::Tracer;
-use perilune::horizon::{ErrorStatistics, Settings};
-use perilune::terrain::Face;
+use perilune_engine::horizon::sweep::Sweep;
+use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::{ErrorStatistics, Settings};
+use perilune_engine::terrain::Face;
 
 use super::scene::{Random, cratered, face, level, lunar_map};
 

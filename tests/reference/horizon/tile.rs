@@ -4,14 +4,14 @@ use std::fs;
 use std::sync::{LazyLock, Mutex};
 
 use glam::DVec3;
-use perilune::evaluate::verify;
-use perilune::geometry::{Body, Direction};
-use perilune::horizon::build::Builder;
-use perilune::horizon::inspect::Place;
-use perilune::horizon::store;
-use perilune::horizon::trace::Tracer;
-use perilune::horizon::{Band, Encoding, Error, Memory, Request, Settings, build, build_at, open_or_build};
-use perilune::terrain::Face;
+use perilune_engine::geometry::{Body, Direction};
+use perilune_engine::horizon::build::Builder;
+use perilune_engine::horizon::inspect::Place;
+use perilune_engine::horizon::store;
+use perilune_engine::horizon::trace::Tracer;
+use perilune_engine::horizon::verify::verify;
+use perilune_engine::horizon::{Band, Encoding, Error, Memory, Request, Settings, build, build_at, open_or_build};
+use perilune_engine::terrain::Face;
 
 use super::scene::cratered;
 
@@ -107,7 +107,7 @@ fn everything_that_shapes_a_tile_changes_its_key() {
     ] {
         keys.push(Request { settings, ..request(&face) }.key());
     }
-    let change = |edit: &dyn Fn(&mut perilune::terrain::Face)| {
+    let change = |edit: &dyn Fn(&mut perilune_engine::terrain::Face)| {
         let mut face = face.clone();
         edit(&mut face);
         request(&face).key()

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Body, Geodetic};
-use perilune::raster::{Around, Dem, Options};
-use perilune::terrain::build::MAX_NODES_PER_SIDE;
-use perilune::terrain::{Face, NestedDem, build_cube, build_face};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster::{Around, Dem, Options};
+use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
+use perilune_engine::terrain::{Face, NestedDem, build_cube, build_face};
 
 use super::models::*;
 

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::{Body, Geodetic};
-use perilune::raster::{Band, Dem, GeoTiff, Options};
+use perilune_engine::geometry::{Body, Geodetic};
+use perilune_engine::raster::{Band, Dem, GeoTiff, Options};
 
 pub const R: f64 = 1_737_400.0;
 

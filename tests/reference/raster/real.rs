@@ -1,10 +1,10 @@
 //! Measured elevation models, where they are present.
 
 use glam::DVec2;
-use perilune::geometry::{Body, Geodetic, Position};
-use perilune::raster::{Dem, Options};
-use perilune::terrain::build::MAX_NODES_PER_SIDE;
-use perilune::terrain::{NestedDem, build_cube, build_face};
+use perilune_engine::geometry::{Body, Geodetic, Position};
+use perilune_engine::raster::{Dem, Options};
+use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
+use perilune_engine::terrain::{NestedDem, build_cube, build_face};
 
 use super::models::*;
 use crate::fixtures::data;

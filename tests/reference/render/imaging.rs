@@ -2,12 +2,12 @@
 
 use glam::{DQuat, DVec2, DVec3};
 use libm::erf;
-use perilune::camera::{Camera as Optics, Pose, PosedCamera, Psf, Shutter, Spread};
-use perilune::geometry::{Body, Position, Rotation};
-use perilune::quantity::LUNAR_RADIUS_M;
-use perilune::render::passes::Passes;
-use perilune::render::reference::Reference;
-use perilune::render::{Ambient, Imaging, Quantity, Renderer, Scene, Timing, View};
+use perilune_engine::camera::{Camera as Optics, Pose, PosedCamera, Psf, Shutter, Spread};
+use perilune_engine::geometry::{Body, Position, Rotation};
+use perilune_engine::quantity::LUNAR_RADIUS_M;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Ambient, Imaging, Quantity, Renderer, Scene, Timing, View};
 
 use crate::conformance::gpu;
 use crate::scenes;

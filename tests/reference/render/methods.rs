@@ -3,11 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::Body;
-use perilune::render::reference::Reference;
-use perilune::render::{Renderer, Scene, Shadows, View};
-use perilune::shadow::{Mipmaps, Multiscale};
-use perilune::terrain::{Ground, Terrain};
+use perilune_engine::geometry::Body;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Renderer, Scene, Shadows, View};
+use perilune_engine::shadow::{Mipmaps, Multiscale};
+use perilune_engine::terrain::{Ground, Terrain};
 
 use crate::conformance::render::scenes as conformance_scenes;
 use crate::scenes::{self, Grid, Row, flat_body, map};
@@ -185,12 +185,15 @@ fn no_hard_case_ends_in_nan() {
 /// of the Sun.
 fn turned(half: usize) -> f64 {
     const SIDE: usize = 24;
-    let map =
-        perilune::terrain::Gnomonic::about(&Body::moon(), perilune::geometry::Geodetic::from_degrees(-90.0, 0.0, 0.0));
+    let map = perilune_engine::terrain::Gnomonic::about(
+        &Body::moon(),
+        perilune_engine::geometry::Geodetic::from_degrees(-90.0, 0.0, 0.0),
+    );
     let waves =
         |up: DVec3| 40.0 * ((TAU * 1_737_400.0 / 900.0 * up.x).cos() + (TAU * 1_737_400.0 / 900.0 * up.y).cos());
     let levels = vec![scenes::level(&map, 20.0, half, 0, &waves)];
-    let terrain = Terrain { body: Body::moon(), faces: vec![perilune::terrain::Face { map: map.clone(), levels }] };
+    let terrain =
+        Terrain { body: Body::moon(), faces: vec![perilune_engine::terrain::Face { map: map.clone(), levels }] };
     let scene = Scene {
         shadows: mipmaps(&[5, 5, 5]),
         ..scenes::scene(terrain, scenes::pinhole(SIDE as u32, SIDE as u32, 40.0))

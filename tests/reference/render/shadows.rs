@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec2;
-use perilune::geometry::Body;
-use perilune::horizon::Settings;
-use perilune::render::{Quantity, Scene, Shadows, planes};
-use perilune::terrain::Terrain;
+use perilune_engine::geometry::Body;
+use perilune_engine::horizon::Settings;
+use perilune_engine::render::{Quantity, Scene, Shadows, planes};
+use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{self, Grid, Row, SOLAR_RADIUS_RAD, flat_body, map};
 
@@ -14,7 +14,7 @@ use crate::scenes::{self, Grid, Row, SOLAR_RADIUS_RAD, flat_body, map};
 const WEST_RAD: f64 = -FRAC_PI_2;
 
 /// Edges along a row for each kind of shadow and each renderer.
-fn edges_m(scenes: &[Scene], row: Row, sun: &perilune::render::Light) -> Vec<(String, Vec<f64>)> {
+fn edges_m(scenes: &[Scene], row: Row, sun: &perilune_engine::render::Light) -> Vec<(String, Vec<f64>)> {
     let map = scenes[0].surface.terrain.faces[0].map.clone();
     let view = row.view(&map, sun.clone());
     let of_scene = |scene: &Scene| -> Vec<(String, Vec<f64>)> {
@@ -135,7 +135,7 @@ fn the_tip_of_a_cones_shadow_lies_at_height_times_cotangent() {
     let map = map(&flat_body());
     let elevation_rad = 20f64.to_radians();
     let expected_m = 200.0 / elevation_rad.tan();
-    let sun = perilune::render::Light { angular_radius_rad: 1e-4, ..scenes::sun(&map, WEST_RAD, elevation_rad) };
+    let sun = perilune_engine::render::Light { angular_radius_rad: 1e-4, ..scenes::sun(&map, WEST_RAD, elevation_rad) };
     for (name, edges_m) in edges_m(&scenes, Row { west_m: 405.0, east_m: 700.0 }, &sun) {
         let bound_m = if name.contains("traced") { 10.0 } else { 200.0 * 0.014 / elevation_rad.sin().powi(2) };
         assert_eq!(edges_m.len(), 1, "{name}");

@@ -3,11 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
-use perilune::geometry::Body;
-use perilune::photometry::Reflectance;
-use perilune::photometry::quadrature::{gauss_legendre, integrate};
-use perilune::quantity::LUNAR_RADIUS_M;
-use perilune::render::{Scene, View};
+use perilune_engine::geometry::Body;
+use perilune_engine::photometry::Reflectance;
+use perilune_engine::photometry::quadrature::{gauss_legendre, integrate};
+use perilune_engine::quantity::LUNAR_RADIUS_M;
+use perilune_engine::render::{Scene, View};
 
 use crate::scenes::{self, SOLAR_IRRADIANCE_W_M2, SOLAR_RADIUS_RAD};
 
@@ -88,7 +88,7 @@ fn light_of_disc(scene: &Scene, view: &View) -> Vec<(&'static str, f64)> {
     let of_pixel =
         |index: usize| scene.optics.solid_angle_sr(DVec2::new((index % columns) as f64, (index / columns) as f64));
     let all = scenes::samples(scene, view);
-    let sum = |samples: &perilune::render::Samples| -> f64 {
+    let sum = |samples: &perilune_engine::render::Samples| -> f64 {
         (0..)
             .zip(&samples.pixels)
             .map(|(index, pixel)| f64::from(pixel.radiance_w_m2_sr) * of_pixel(index).unwrap())

@@ -1,0 +1,267 @@
+//! Frames of one view with the methods of Fritsch et al. (2025) and Jung et al. (2020): table 3 of the one, figure 13 and
+//! table 2 of the other.
+//!
+//! Cratered ground seen obliquely, the Sun at 6°. From frame to frame the Sun moves by a hundredth of its radius, so that what
+//! is found at nodes is found anew each time, as in a vertex shader. Errors are those of the irradiance in shares of full
+//! Sun, of a smaller image of the same view, against traced shadows.
+//!
+//! # References
+//! Fritsch et al. (2025), doi:10.2312/hpg.20251171, section 4.3. Jung, Schrempf & Son (2020), Optimally fast soft shadows
+//! on curved terrain with dynamic programming and maximum mipmaps, section 7.
+
+use std::time::Instant;
+
+use glam::{DQuat, DVec2, DVec3};
+
+use super::Options;
+use crate::horizons::tiles::Scratch;
+use crate::scenes::Scene as Ground;
+use crate::shadows::compare;
+use crate::stability::scenes::{SOLAR_IRRADIANCE_W_M2, pinhole, scene, sun};
+use crate::{Error, Table, Value};
+use perilune_engine::camera::Camera as Optics;
+use perilune_engine::geometry::{Position, Rotation};
+use perilune_engine::gpu::Gpu;
+use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
+use perilune_engine::pipeline::Progress;
+use perilune_engine::render::passes::Passes;
+use perilune_engine::render::planes::Radiometry;
+use perilune_engine::render::reference::Reference;
+use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
+use perilune_engine::scenario::{self, ShadowPreset};
+use perilune_engine::shadow::Mipmaps;
+use perilune_engine::terrain::{Ground as Kind, Terrain};
+
+const SUN_DEG: f64 = 6.0;
+const AZIMUTH_RAD: f64 = 0.7;
+/// Below the horizontal, and above the ground.
+const LOOK_DOWN_DEG: f64 = 30.0;
+const HEIGHT_M: f64 = 2500.0;
+/// Half of what is seen across, over the distance.
+const HALF_WIDTH: f64 = 0.5;
+/// The image whose errors are measured.
+const SMALL: [u32; 2] = [160, 90];
+
+/// Shadows of horizon maps by face and level.
+type Make = Box<dyn Fn(&[Vec<HorizonMap>]) -> Shadows>;
+
+/// A method, and what the papers print: milliseconds.
+struct Method {
+    name: String,
+    shadows: Make,
+    printed_ms: [f64; 2],
+}
+
+/// Milliseconds on a notebook (RTX 2050) and a desktop computer (RTX 4090), in the order of [`ShadowPreset::ALL`].
+const PRESETS_MS: [[f64; 2]; 8] = [
+    [1.21, 0.107],
+    [2.45, 0.204],
+    [4.07, 0.297],
+    [5.48, 0.363],
+    [9.98, 0.659],
+    [14.7, 0.535],
+    [18.6, 0.684],
+    [21.2, 0.823],
+];
+
+fn presets() -> Vec<Method> {
+    let preset = |(preset, printed_ms): (ShadowPreset, [f64; 2])| Method {
+        name: format!("{preset:?}"),
+        shadows: Box::new(move |maps| match preset.shadows() {
+            scenario::Shadows::Series { visibility, coefficients, at } => {
+                perilune_engine::pipeline::scene::series(maps.to_vec(), visibility, coefficients, at)
+            }
+            _ => Shadows::None,
+        }),
+        printed_ms,
+    };
+    let ours = Method {
+        name: "Fourier (ours)".into(),
+        shadows: Box::new(|maps| Shadows::Fourier(maps.to_vec())),
+        printed_ms: [f64::NAN; 2],
+    };
+    ShadowPreset::ALL.into_iter().zip(PRESETS_MS).map(preset).chain([ours]).collect()
+}
+
+/// Uniform stepping first, which the others are compared with; milliseconds on a GTX 970M, then none.
+fn searches() -> Vec<Method> {
+    let search = |name: &str, method: Mipmaps, printed_ms: f64| Method {
+        name: name.into(),
+        shadows: Box::new(move |_| Shadows::Mipmaps(method.clone())),
+        printed_ms: [printed_ms, f64::NAN],
+    };
+    vec![
+        search("100 uniform steps", Mipmaps::uniform(100, 1.0), 18.2),
+        search("{5, 5, 5}", Mipmaps::of(&[5, 5, 5]), 5.4),
+        search("{5, 5, 5, 3}", Mipmaps::of(&[5, 5, 5, 3]), 6.2),
+        Method {
+            name: "Fourier (ours)".into(),
+            shadows: Box::new(|maps| Shadows::Fourier(maps.to_vec())),
+            printed_ms: [f64::NAN; 2],
+        },
+    ]
+}
+
+/// Fritsch's table 3, Jung's figure 13 and table 2.
+pub fn tables(options: &Options, gpu: Option<&Gpu>, progress: &dyn Progress) -> Result<Vec<Table>, Error> {
+    let set = Set::new(options)?;
+    let mut fritsch = Table::new(
+        "fritsch_3",
+        "Fritsch 2025, table 3: frames by preset (paper: RTX 2050, RTX 4090; 1920×1080)",
+        &[
+            ("preset", ""),
+            ("frame", "ms"),
+            ("device", "ms"),
+            ("paper's notebook", "ms"),
+            ("paper's desktop", "ms"),
+            ("ratio to None", ""),
+            ("notebook's", ""),
+            ("desktop's", ""),
+            ("RMS", ""),
+            ("hard shadows wrong", "%"),
+        ],
+    );
+    let sizes = if options.quick { [[640, 360], [512, 512]] } else { [[1920, 1080], [512, 512]] };
+    fritsch.rows = set.rows(&presets(), sizes[0], options, gpu, progress)?;
+    let columns = [
+        ("search", ""),
+        ("frame", "ms"),
+        ("device", "ms"),
+        ("paper (GTX 970M)", "ms"),
+        ("-", ""),
+        ("ratio to 100 steps", ""),
+        ("paper's ratio", ""),
+        ("- ", ""),
+        ("RMS", ""),
+        ("hard shadows wrong", "%"),
+    ];
+    let mut all = vec![fritsch];
+    for (name, title, size) in [
+        ("jung_13", "Jung 2020, figure 13: frames by runs; 1920×1080", sizes[0]),
+        ("jung_2", "Jung 2020, table 2: 512×512 (paper, {5, 5, 5}: 185 Hz at 1920×1080, 402 Hz at 512²)", sizes[1]),
+    ] {
+        let mut table = Table::new(name, title, &columns);
+        table.rows = set.rows(&searches(), size, options, gpu, progress)?;
+        // One machine only, and one size.
+        for row in &mut table.rows {
+            if name == "jung_2" {
+                row[3] = Value::Missing;
+                row[6] = Value::Missing;
+            }
+            row.remove(7);
+            row.remove(4);
+        }
+        table.columns = columns.into_iter().filter(|(name, _)| !name.starts_with('-')).collect();
+        all.push(table);
+    }
+    Ok(all)
+}
+
+/// The ground, its horizon maps, and the truth.
+struct Set {
+    terrain: Terrain,
+    maps: Vec<Vec<HorizonMap>>,
+    truth: Vec<Radiometry>,
+    on_ground: Vec<bool>,
+}
+
+impl Set {
+    fn new(options: &Options) -> Result<Self, Error> {
+        let ground = Ground::synthetic(if options.quick { 256 } else { 512 }, 1)?;
+        let terrain = Terrain { body: ground.body.clone(), faces: vec![ground.face.clone()] };
+        let folder = Scratch::new()?;
+        let settings = Settings { azimuths: if options.quick { 120 } else { 360 }, ..Settings::default() };
+        let request = Request { body: &ground.body, face: &ground.face, level: 0, settings, encoding: Encoding::Fm16 };
+        let maps = vec![vec![horizon::build(&request, &folder.path, &|_, _| ())?]];
+        let mut set = Self { terrain, maps, truth: Vec::new(), on_ground: Vec::new() };
+        let mut scene = set.scene(SMALL, Shadows::Traced(Settings::default()));
+        scene.quantities = vec![Quantity::DemGap];
+        let samples = Reference.samples(&scene, &set.view(0.0))?;
+        let is_ground = |hit: &Option<perilune_engine::terrain::Hit>| {
+            hit.as_ref().is_some_and(|hit| matches!(hit.ground, Kind::Dem { .. }))
+        };
+        set.on_ground = samples.centres.iter().map(is_ground).collect();
+        set.truth = samples.pixels;
+        Ok(set)
+    }
+
+    fn scene(&self, [columns, rows]: [u32; 2], shadows: Shadows) -> Scene {
+        let optics: Optics = pinhole(columns, rows, f64::from(columns) * 0.5 / HALF_WIDTH);
+        let mut scene = scene(self.terrain.clone(), optics);
+        (scene.shadows, scene.quantities) = (shadows, vec![Quantity::Radiance]);
+        scene
+    }
+
+    /// Obliquely towards map +Y, the Sun turned a little about the pole.
+    fn view(&self, turned_rad: f64) -> View {
+        let map = &self.terrain.faces[0].map;
+        let (low, high) = self.terrain.faces[0].levels[0].seen_m();
+        let (sin, cos) = LOOK_DOWN_DEG.to_radians().sin_cos();
+        // The middle of the image meets the ground half way to the northern edge.
+        let at_m = DVec2::new((low.x + high.x) / 2.0, (low.y + high.y) / 2.0 - HEIGHT_M);
+        let (right, forward) = (DVec3::X, DVec3::new(0.0, cos, -sin));
+        let [right, down, forward] =
+            [right, forward.cross(right), forward].map(|axis| map.map_from_body.inverse().turn(axis));
+        let lifted = at_m.extend(map.lifted_height_m(at_m, map.radius_m + HEIGHT_M));
+        let mut light = sun(map, AZIMUTH_RAD, SUN_DEG.to_radians());
+        light.position = Position::from_m(DQuat::from_rotation_z(turned_rad) * light.position.vector_m());
+        View {
+            exposure: 0,
+            camera_position: map.body_from_lifted(lifted),
+            camera_from_body: Rotation::from_axes(right, down, forward),
+            lights: vec![light],
+        }
+    }
+
+    /// A row a method; ratios are to the first.
+    fn rows(
+        &self,
+        methods: &[Method],
+        size: [u32; 2],
+        options: &Options,
+        gpu: Option<&Gpu>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Vec<Value>>, Error> {
+        progress.begin(&format!("frames of {}×{}", size[0], size[1]), methods.len(), "methods");
+        let (mut rows, mut first) = (Vec::new(), None);
+        for (done, method) in methods.iter().enumerate() {
+            let mut renderer: Box<dyn Renderer> = match gpu {
+                Some(gpu) => Box::new(Passes::new(gpu)),
+                None => Box::new(Reference),
+            };
+            let small = self.scene(SMALL, (method.shadows)(&self.maps));
+            let tried = renderer.samples(&small, &self.view(0.0))?;
+            let found = compare(&self.truth, &tried.pixels, &self.on_ground, SOLAR_IRRADIANCE_W_M2);
+            let [frame_ms, device_ms] = self.timed(gpu, &self.scene(size, small.shadows), options)?;
+            let (base_ms, printed) = *first.get_or_insert((frame_ms, method.printed_ms));
+            let mut row = vec![method.name.as_str().into(), frame_ms.into(), device_ms.into()];
+            row.extend(method.printed_ms.map(Value::from));
+            row.push((frame_ms / base_ms).into());
+            row.extend([0, 1].map(|machine| Value::from(method.printed_ms[machine] / printed[machine])));
+            row.extend([found.irradiance.rms, 100.0 * (1.0 - found.agreement)].map(Value::from));
+            rows.push(row);
+            progress.at(done + 1, methods.len());
+        }
+        Ok(rows)
+    }
+
+    /// Least milliseconds of a frame, and what of it the device took: others' work only adds.
+    fn timed(&self, gpu: Option<&Gpu>, scene: &Scene, options: &Options) -> Result<[f64; 2], Error> {
+        let mut renderer: Box<dyn Renderer> = match gpu {
+            Some(gpu) => Box::new(Passes::new(gpu)),
+            None => Box::new(Reference),
+        };
+        // The first frame uploads the ground.
+        renderer.samples(scene, &self.view(0.0))?;
+        let (mut frames, mut device) = (Vec::new(), Vec::new());
+        for frame in 1..=options.repeat {
+            // More than the raster on which lights are held still.
+            let view = self.view(5e-5 * frame as f64);
+            let start = Instant::now();
+            renderer.samples(scene, &view)?;
+            frames.push(1e3 * start.elapsed().as_secs_f64());
+            device.extend(renderer.device_time().map(|time| 1e3 * time.as_secs_f64()));
+        }
+        Ok([frames, device].map(|times| times.into_iter().fold(f64::NAN, f64::min)))
+    }
+}

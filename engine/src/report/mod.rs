@@ -1,0 +1,13 @@
+//! What was measured, for people and for programs: tables, plots and pages beside the machine that measured.
+
+pub mod error;
+pub mod machine;
+pub mod page;
+pub mod plot;
+pub mod statistics;
+pub mod table;
+
+pub use error::Error;
+pub use machine::Machine;
+pub use page::{Picture, Report};
+pub use table::{Table, Value};

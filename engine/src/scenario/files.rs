@@ -1,0 +1,72 @@
+//! Where a scenario's files are looked for.
+
+use std::path::{Path, PathBuf};
+
+/// Directories in which file names of a scenario are looked up, in this order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// The scenario's own directory.
+    pub beside: PathBuf,
+    /// `--data`, then `SIM_DATA`.
+    pub data: Vec<PathBuf>,
+    /// The kernels that are shipped with the program; only kernels are looked for there.
+    pub kernels: PathBuf,
+}
+
+/// What became of a file name.
+pub(super) enum Found {
+    File(PathBuf),
+    Directory(PathBuf),
+    Nowhere(Vec<String>),
+}
+
+impl Places {
+    /// The places for a scenario's file: its directory, `data`, and `SIM_DATA` or else `../shared/data` beside the
+    /// program's source.
+    pub fn of(scenario: &Path, data: &[PathBuf]) -> Self {
+        let beside = scenario.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+        let fallback = std::env::var_os("SIM_DATA").map(PathBuf::from).unwrap_or_else(|| source.join("../shared/data"));
+        Self {
+            beside: beside.to_path_buf(),
+            data: data.iter().cloned().chain([fallback]).collect(),
+            kernels: source.join("kernels"),
+        }
+    }
+
+    pub(super) fn find(&self, name: &str) -> Found {
+        find_in(name, self.directories())
+    }
+
+    pub(super) fn find_kernel(&self, name: &str) -> Found {
+        find_in(name, self.directories().chain([self.kernels.as_path()]))
+    }
+
+    fn directories(&self) -> impl Iterator<Item = &Path> {
+        [self.beside.as_path()].into_iter().chain(self.data.iter().map(PathBuf::as_path))
+    }
+}
+
+fn find_in<'a>(name: &str, directories: impl Iterator<Item = &'a Path>) -> Found {
+    if Path::new(name).is_absolute() {
+        return state(Path::new(name), &[]);
+    }
+    let directories: Vec<_> = directories.collect();
+    let candidate = directories.iter().map(|directory| directory.join(name)).find(|path| path.exists());
+    match candidate {
+        Some(path) => state(&path, &directories),
+        None => nowhere(&directories),
+    }
+}
+
+fn state(path: &Path, directories: &[&Path]) -> Found {
+    match path {
+        path if path.is_file() => Found::File(path.to_path_buf()),
+        path if path.is_dir() => Found::Directory(path.to_path_buf()),
+        _ => nowhere(directories),
+    }
+}
+
+fn nowhere(directories: &[&Path]) -> Found {
+    Found::Nowhere(directories.iter().map(|directory| directory.display().to_string()).collect())
+}

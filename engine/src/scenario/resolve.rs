@@ -1,0 +1,99 @@
+//! From a scenario's text to a [`Scenario`]: structure, files, ranges, degrees to radians.
+
+use std::path::{Path, PathBuf};
+
+use super::check::{About, Check};
+use super::error::{Problem, ScenarioError};
+use super::files::Places;
+use super::resolved::Scenario;
+use super::spec::Spec;
+use super::{camera, light, motion, presets, structure, sweep, text, tree, world};
+
+/// Reads and resolves the scenario `name`: a path, or a name in `scenarios/`. Files are looked for in `data` too.
+pub fn load(name: &Path, data: &[PathBuf], about: About) -> Result<Scenario, ScenarioError> {
+    let path = find(name)?;
+    let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
+    resolve(&path, &text, &Places::of(&path, data), about)
+}
+
+fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
+    let mut candidates = vec![name.to_path_buf()];
+    if name.components().count() == 1 {
+        candidates.push(Path::new("scenarios").join(name));
+        candidates.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name));
+    }
+    candidates.iter().find(|path| path.exists()).cloned().ok_or_else(|| ScenarioError::NotFound {
+        name: name.display().to_string(),
+        looked_for: candidates.iter().map(|path| path.display().to_string()).collect(),
+    })
+}
+
+/// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
+pub fn resolve(path: &Path, text: &str, places: &Places, about: About) -> Result<Scenario, ScenarioError> {
+    let problems = |mut problems: Vec<Problem>| {
+        problems.sort_by_key(|problem| problem.place);
+        ScenarioError::Problems { path: path.to_path_buf(), problems }
+    };
+    let tree = tree::parse(text);
+    let structural = tree.as_ref().map(structure::check).unwrap_or_default();
+    let spec = match text::parse(text) {
+        Ok(spec) => spec,
+        Err(_) if !structural.is_empty() => return Err(problems(structural)),
+        Err(syntax) => return Err(problems(vec![syntax])),
+    };
+    let mut check = Check { tree: tree.as_ref(), problems: structural, places, about };
+    let scenario = scenario(path, text, &spec, &mut check);
+    if check.problems.is_empty() { Ok(scenario) } else { Err(problems(check.problems)) }
+}
+
+fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario {
+    let spec = &presets::completed(spec);
+    check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
+    let (camera, detector) = camera::camera(spec, check);
+    let exposures = motion::exposures(&spec.exposures, &camera, check);
+    let landmarks = camera::landmarks(spec, &camera, check);
+    let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
+    let has_terrain = terrain.is_some();
+    check.needs(
+        !spec.refine || spec.shadows.have_bounds(),
+        "refine",
+        "needs shadows: Fourier or Baked, whose errors are known",
+    );
+    world::lights_of_globe(spec, check);
+    let horizon = world::horizon(&spec.horizon, check);
+    let (sun, band) = light::light(spec, has_terrain, check);
+    let mut scenario = Scenario {
+        path: path.to_path_buf(),
+        name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        text: text.into(),
+        title: spec.title.trim().into(),
+        body: world::body(&spec.body),
+        frame: world::frame(spec, check),
+        kernels: spec.kernels.as_ref().map(|kernels| world::kernels(kernels, check)),
+        terrain,
+        shadows: world::shadows(&spec.shadows, horizon.encoding, check),
+        horizon,
+        refine: spec.refine,
+        view_rays: spec.view_rays,
+        photometry: (&spec.surface.photometry).into(),
+        albedo: world::albedo(&spec.surface, check),
+        sun,
+        band,
+        earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),
+        ambient: spec.ambient,
+        bounce: spec.bounce,
+        trajectory: motion::trajectory(spec, &exposures, check),
+        pointing: motion::pointing(spec, &exposures, check),
+        outputs: camera::outputs(spec, &camera, detector.is_some(), check),
+        camera,
+        detector,
+        exposures,
+        landmarks,
+        sweep: None,
+        split: spec.split.inspect(|split| sweep::check_split(split, check)),
+        hazards: camera::hazards(&spec.hazards),
+        seed: spec.seed,
+    };
+    scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));
+    scenario
+}

@@ -1,0 +1,389 @@
+//! Body, terrain, horizon and shadows, as written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::horizon::Encoding;
+use crate::shadow::{At, Edge, Visibility};
+
+/// The body that is seen.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Body {
+    /// The Moon: the sphere of 1 737 400 m that LOLA heights refer to.
+    #[default]
+    Moon,
+    /// Mars: the IAU spheroid of 3 396 190 m and 3 376 200 m.
+    Mars,
+    /// Any other body; `frame` must be given with it.
+    Custom {
+        /// Name in the outputs.
+        name: String,
+        /// SPICE id of the body, as in 301 for the Moon.
+        naif_id: i32,
+        /// Radius at the equator.
+        #[schemars(range(min = 1.0, max = 1e9))]
+        equatorial_radius_m: f64,
+        /// Radius at the poles.
+        #[schemars(range(min = 1.0, max = 1e9))]
+        polar_radius_m: f64,
+    },
+}
+
+/// The ground: nested elevation models on the reference spheroid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Terrain {
+    /// Where the terrain is centred. Default: the centre of the first elevation model.
+    #[serde(default)]
+    pub centre: Option<Centre>,
+    /// Elevation models, the finest first. Beyond the last comes the bare spheroid.
+    #[schemars(length(min = 1, max = 8))]
+    pub dems: Vec<Dem>,
+}
+
+/// A place on the spheroid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Centre {
+    /// Geodetic latitude, north positive.
+    #[schemars(range(min = -90.0, max = 90.0))]
+    pub latitude_deg: f64,
+    /// East longitude.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub longitude_deg: f64,
+}
+
+/// One elevation model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Dem {
+    /// A georeferenced raster in any format and projection that GDAL reads.
+    File {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// Resample to this posting. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: Option<f64>,
+        /// Use only a square of this width around the centre. Default: all of it.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1e8))]
+        extent_m: Option<f64>,
+    },
+    /// A cratered terrain with published statistics, made on the first run and kept. Several of them, about one
+    /// centre, are one terrain: each continues the next coarser one with smaller craters and shorter wavelengths.
+    Synthetic {
+        /// Width in postings.
+        #[schemars(range(min = 16, max = 16384))]
+        columns: u32,
+        /// Height in postings.
+        #[schemars(range(min = 16, max = 16384))]
+        rows: u32,
+        /// Distance of neighbouring heights.
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: f64,
+        /// Geodetic latitude of its centre, north positive.
+        #[schemars(range(min = -90.0, max = 90.0))]
+        latitude_deg: f64,
+        /// East longitude of its centre.
+        #[schemars(range(min = -360.0, max = 360.0))]
+        longitude_deg: f64,
+        /// Another seed is another terrain.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// Made-up ground below the posting of the measured model that comes next: it goes on with that one's roughness, and
+    /// has small craters and boulders. Means over the measured posting stay. Craters of it are landmarks that are marked
+    /// invented.
+    Detail {
+        /// Distance of neighbouring heights: at most half of the measured model's.
+        #[schemars(range(min = 0.01, max = 100_000.0))]
+        posting_m: f64,
+        /// Side of the square about the terrain's centre.
+        #[schemars(range(min = 1.0, max = 1e6))]
+        extent_m: f64,
+        /// Another seed is other ground.
+        #[serde(default)]
+        seed: u64,
+        /// Craters per area, in units of the equilibrium density.
+        #[serde(default = "super::one")]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        craters: f64,
+        /// Boulders of more than 1 m; their number falls with the cube of their size, up to 10 m.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1e6))]
+        boulders_per_km2: f64,
+    },
+    /// A raster of the whole body, cut into a cube of six maps. It must be the last.
+    Cube {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// Resample to this posting. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1_000_000.0))]
+        posting_m: Option<f64>,
+    },
+    /// A raster of the whole body of any size, of which the parts that the cameras see are read, each at the level of detail at
+    /// which they see it. It stands alone, and its shadows come from horizon maps.
+    Globe {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+        /// What its numbers are.
+        #[serde(default)]
+        values: Values,
+        /// The finest posting, at most. Default: the file's own.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1_000_000.0))]
+        posting_m: Option<f64>,
+        /// A folder of `sim horizon globe` whose horizons are taken where it has them; its tiles' size, posting and margin
+        /// hold. Default: all are made, and kept in the cache.
+        #[serde(default)]
+        tiles: Option<String>,
+        /// Detail ends where nodes are seen closer than this.
+        #[serde(default = "super::one")]
+        #[schemars(range(min = 0.1, max = 100.0))]
+        posting_px: f64,
+        /// Where more tiles than this would be needed, detail ends sooner. A tile takes some 5 MB.
+        #[serde(default = "default_most_tiles")]
+        #[schemars(range(min = 6, max = 1024))]
+        most_tiles: u32,
+    },
+}
+
+fn default_most_tiles() -> u32 {
+    96
+}
+
+/// What the numbers of an elevation model are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+pub enum Values {
+    /// Heights, or radii where the numbers are near the body's radius.
+    #[default]
+    Auto,
+    /// Heights above the file's own ellipsoid.
+    Height,
+    /// Distances from the body's centre.
+    Radius,
+}
+
+/// How horizons are computed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Horizon {
+    /// Every key below at its default.
+    #[default]
+    Auto,
+    /// Chosen by hand.
+    Settings {
+        /// Azimuths at which the horizon is sampled before it is compressed.
+        #[serde(default = "default_azimuths")]
+        #[schemars(range(min = 32, max = 4096))]
+        azimuths: u32,
+        /// How far terrain is looked for. Default: as far as the highest terrain can stand above the horizon.
+        #[serde(default)]
+        #[schemars(range(min = 1.0, max = 1e7))]
+        search_m: Option<f64>,
+        /// Height of the point above the ground from which the horizon is seen.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1000.0))]
+        observer_height_m: f64,
+        /// How they are stored.
+        #[serde(default)]
+        encoding: Encoding,
+        /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
+        /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
+        /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
+        /// this scenario's own. Without effect where there is earthshine, ambient or bounced light.
+        #[serde(default)]
+        band: bool,
+    },
+}
+
+/// As in Fritsch 2025; the 31 harmonics of the default encoding need 63.
+pub const DEFAULT_AZIMUTHS: u32 = 360;
+
+fn default_azimuths() -> u32 {
+    DEFAULT_AZIMUTHS
+}
+
+/// How shadows are cast.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Shadows {
+    /// By the method that is ready soonest of those that are right enough: a swath where a sequence lasts hours at most, a sweep
+    /// for each of a few exposures, horizon maps for more, tracing where nothing else will do. The run says which, and why.
+    Auto {
+        /// RMS error of the irradiance, in full Suns, that the shadows may have on terrain like the measured.
+        #[serde(default = "default_max_irradiance_error")]
+        #[schemars(range(min = 0.0, max = 1.0))]
+        max_irradiance_error: f64,
+    },
+    /// From Fourier-compressed horizon maps, evaluated at every sample.
+    #[default]
+    Fourier,
+    /// From the same maps, evaluated once per node while the Sun stands still: faster where images have more samples
+    /// than the terrain has nodes, or the Sun stays.
+    Baked,
+    /// Lighting factors from the same maps as in Fritsch 2025: a share of the disc that multiplies the light of an unshadowed
+    /// Sun. To compare with; `Fourier` is more accurate.
+    Series {
+        /// How the share is found.
+        #[serde(default)]
+        visibility: Visibility,
+        /// Coefficients that are evaluated: 4, 8, 12 or 16 of an fm or f encoding. Default: all.
+        #[serde(default)]
+        #[schemars(range(min = 4, max = 16))]
+        coefficients: Option<u32>,
+        /// Where.
+        #[serde(default)]
+        at: At,
+    },
+    /// One of the eight presets of Fritsch 2025.
+    Preset(ShadowPreset),
+    /// From horizons for those azimuths only that the Sun's disc spans in the exposures: accurate and small where a sequence
+    /// lasts hours at most, and made once for all of its images.
+    Swath {
+        /// Most between two azimuths.
+        #[serde(default = "default_azimuth_step_deg")]
+        #[schemars(range(min = 0.01, max = 5.0))]
+        azimuth_step_deg: f64,
+    },
+    /// From horizons of all nodes towards the Sun, swept anew whenever it has moved: as accurate as a swath, nothing is
+    /// kept.
+    Sweep {
+        /// Most between two azimuths.
+        #[serde(default = "default_azimuth_step_deg")]
+        #[schemars(range(min = 0.01, max = 5.0))]
+        azimuth_step_deg: f64,
+    },
+    /// From horizons of all nodes towards the Sun, stepped along the map anew whenever it has moved (Aslandere 2015).
+    /// `horizon.search_m` is their reach.
+    SingleAzimuth {
+        /// From one sample to the next, in postings of the terrain.
+        #[serde(default = "super::one")]
+        #[schemars(range(min = 0.1, max = 100.0))]
+        spacing: f64,
+        /// What becomes of the Sun's disc.
+        #[serde(default)]
+        edge: Edge,
+    },
+    /// By a search of maximum mipmaps towards the Sun at every sample (Jung 2020): no horizon maps, more time an image.
+    MaximumMipmaps {
+        /// Mips of each run of the search, the nearest run first; a run of N mips looks 2^(N−1) postings further.
+        /// [5, 5, 5] and [5, 5, 5, 3] are the published ones: 48 and 52 postings. Default: 5, 5, 6, 7, … as far as the
+        /// terrain reaches.
+        #[serde(default)]
+        #[schemars(length(max = 16), inner(range(min = 1, max = 15)))]
+        runs: Vec<u32>,
+    },
+    /// From a multi-scale pyramid of heights (Snyder & Nowrouzezahrai 2008): smooth skylines for large, dim sources. No
+    /// match for the Sun's disc.
+    Multiscale {
+        /// Images in each halving of the resolution.
+        #[serde(default = "default_level_step")]
+        #[schemars(range(min = 1, max = 16))]
+        level_step: u32,
+        /// Halvings by which images are finer than their distance: more is sharper.
+        #[serde(default = "default_level_offset")]
+        #[schemars(range(min = 0.0, max = 16.0))]
+        level_offset: f64,
+        /// Azimuths over which the skyline's slope is taken.
+        #[serde(default = "default_swath")]
+        #[schemars(range(min = 0.01, max = 90.0))]
+        swath_deg: f64,
+    },
+    /// From the exact horizon of each point, without compression. Slow; the one to compare with.
+    Traced,
+    /// No cast shadows; the ground still turns away from the Sun.
+    Off,
+}
+
+/// Presets of Fritsch 2025, table 3: coefficients, samples across the Sun, shader stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ShadowPreset {
+    /// No shadows.
+    None,
+    /// 8, middle value, vertices.
+    Low,
+    /// 16, middle value, vertices.
+    Medium,
+    /// 8, middle value, fragments.
+    MediumFrag,
+    /// 16, middle value, fragments.
+    High,
+    /// 16, three boxes, fragments.
+    VeryHighX3,
+    /// 16, five boxes, fragments.
+    VeryHighX5,
+    /// 16, seven boxes, fragments.
+    VeryHighX7,
+}
+
+impl ShadowPreset {
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Low,
+        Self::Medium,
+        Self::MediumFrag,
+        Self::High,
+        Self::VeryHighX3,
+        Self::VeryHighX5,
+        Self::VeryHighX7,
+    ];
+
+    /// What it stands for.
+    pub fn shadows(self) -> Shadows {
+        let (visibility, coefficients, at) = match self {
+            Self::None => return Shadows::Off,
+            Self::Low => (Visibility::MiddleValue, 8, At::Nodes),
+            Self::Medium => (Visibility::MiddleValue, 16, At::Nodes),
+            Self::MediumFrag => (Visibility::MiddleValue, 8, At::Pixels),
+            Self::High => (Visibility::MiddleValue, 16, At::Pixels),
+            Self::VeryHighX3 => (Visibility::Boxes(3), 16, At::Pixels),
+            Self::VeryHighX5 => (Visibility::Boxes(5), 16, At::Pixels),
+            Self::VeryHighX7 => (Visibility::Boxes(7), 16, At::Pixels),
+        };
+        Shadows::Series { visibility, coefficients: Some(coefficients), at }
+    }
+}
+
+/// What all methods but the coarse ones reach.
+fn default_max_irradiance_error() -> f64 {
+    0.01
+}
+
+fn default_azimuth_step_deg() -> f64 {
+    0.15
+}
+
+impl Shadows {
+    /// Whether horizon maps are made.
+    pub fn need_maps(&self) -> bool {
+        self.have_bounds() || matches!(self, Self::Series { .. })
+    }
+
+    /// Whether what they leave open is known.
+    pub fn have_bounds(&self) -> bool {
+        matches!(self, Self::Fourier | Self::Baked)
+    }
+}
+
+pub fn default_level_step() -> u32 {
+    4
+}
+
+pub fn default_level_offset() -> f64 {
+    2.0
+}
+
+/// The Earth's disc is 1.9° across.
+fn default_swath() -> f64 {
+    2.0
+}

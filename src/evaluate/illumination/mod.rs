@@ -1,9 +1,0 @@
-//! Illumination of areas and places as tables, plots, pictures and series.
-
-pub mod findings;
-pub mod percentages;
-mod pictures;
-mod plots;
-pub mod series;
-
-pub use findings::{Findings, Lot, Named};
