@@ -8,6 +8,7 @@ mod conformance;
 mod docs;
 mod fixtures;
 mod invariants;
+mod lengths;
 mod readers;
 mod reference;
 mod scenes;

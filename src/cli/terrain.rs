@@ -11,7 +11,7 @@ use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::raster;
 use perilune_engine::terrain::synthetic::{self, Parameters};
 
-use super::{Outcome, place, say};
+use super::{Outcome, place, print_line};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
 ///
@@ -106,10 +106,10 @@ pub fn run(args: Args) -> Outcome {
             "lowest_m": lowest_m, "highest_m": highest_m,
             "crs": terrain.crs, "seed": parameters.seed,
         });
-        say(serde_json::to_string_pretty(&written)?)?;
+        print_line(serde_json::to_string_pretty(&written)?)?;
     } else {
-        say(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
-        say(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
+        print_line(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
+        print_line(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use perilune_engine::raster::{Band, GeoTiff};
+use perilune_engine::raster::{GeoTiff, GeoTiffBand};
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 
 use super::run::{Run, SMALL};
@@ -46,7 +46,7 @@ fn over_dem(make: impl FnOnce(&Path)) -> Run {
 
 fn write_dem(path: &Path, side: usize, height_m: f32, crs: &str) {
     let values = vec![height_m; side * side];
-    let bands = vec![Band { name: "height", unit: "m", values: &values }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &values }];
     GeoTiff { columns: side, rows: side, bands, crs, geotransform: GEOTRANSFORM }.write(path).unwrap();
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Body, Geodetic};
-use perilune_engine::raster::{Band, Dem, Error, GeoTiff, Georeference, Options, Values, Window};
+use perilune_engine::raster::{Dem, Error, GeoTiff, GeoTiffBand, Georeference, Options, Values, Window};
 
 use models::*;
 
@@ -217,8 +217,8 @@ fn what_is_wrong_with_a_file_is_said() {
     assert!(matches!(Dem::open(&good, &moon, &second).unwrap_err(), Error::NoSuchBand { bands: 1, .. }));
 
     let values = vec![0.0; 64];
-    let band = Band { name: "a", unit: "m", values: &values };
-    let bands = vec![band, Band { name: "b", ..band }];
+    let band = GeoTiffBand { name: "a", unit: "m", values: &values };
+    let bands = vec![band, GeoTiffBand { name: "b", ..band }];
     GeoTiff { columns: 8, rows: 8, bands, crs: &crs, geotransform: north_up }.write(&at("two.tif")).unwrap();
     assert!(matches!(refuse(&at("two.tif")), Error::ManyBands { bands: 2, .. }));
     assert!(Dem::open(&at("two.tif"), &moon, &second).is_ok());

@@ -23,7 +23,7 @@ use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position};
 use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::measure::Sample;
 use perilune_engine::horizon::trace::Tracer;
-use perilune_engine::raster::{self, Band, Dem, GeoTiff};
+use perilune_engine::raster::{self, Dem, GeoTiff, GeoTiffBand};
 use perilune_engine::report::statistics::Errors;
 use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
 use perilune_engine::terrain::{Face, Gnomonic, NestedDem, build_face};
@@ -197,7 +197,7 @@ pub fn equirectangular(body: &Body, centre: Geodetic) -> Result<Face, Error> {
     let raster = GeoTiff {
         columns,
         rows,
-        bands: vec![Band { name: "height", unit: "m", values: &values }],
+        bands: vec![GeoTiffBand { name: "height", unit: "m", values: &values }],
         crs: &format!("+proj=longlat +a={equatorial_m} +b={polar_m} +no_defs"),
         geotransform: [west_deg, pixel_deg, 0.0, north_deg, 0.0, -pixel_deg],
     };

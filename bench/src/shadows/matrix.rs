@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::methods::{Workshop, outside_domain};
 use super::truth::{ERRORS, Truth};
 use super::{Options, Trial, comparable, picture, traced_settings, trial};
-use crate::kept::Kept;
+use crate::step_cache::StepCache;
 use crate::{Error, Machine, Report, Table, Value};
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::horizon::HorizonMap;
@@ -54,7 +54,7 @@ pub fn run(
     progress: &dyn Progress,
 ) -> Result<Report, Error> {
     let mut bench = Bench::new(scenario, options, repeat, progress)?;
-    let kept = Kept::new(&options.cache, &(scenario, options, elevations_deg, repeat))?;
+    let kept = StepCache::new(&options.cache, &(scenario, options, elevations_deg, repeat))?;
     let mut notes = bench.notes();
     let columns = [&COLUMNS[..], &ERRORS].concat();
     let mut table =

@@ -132,12 +132,7 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
 
-    let fit = |model: Model| {
-        let response = Response::fit(model, &photo, &render);
-        let fitted = response.apply(&render);
-        let numbers = Numbers::of(&photo, &render, &fitted, resolution.high_pass_px, request.dark);
-        (model, response, numbers, fitted)
-    };
+    let fit = |model: Model| fit(model, &photo, &render, [resolution.high_pass_px, request.dark]);
     let (model, response, numbers, fitted) = fit(request.model);
     let responses = Model::ALL.map(fit).map(|(model, response, numbers, _)| (model, response, numbers)).to_vec();
     let (confusion, displacement) = edges_of_shadows(&photo, &sun_fraction, &sky, resolution.compared_pixel_m);
@@ -175,6 +170,14 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         fitted,
         sun_fraction,
     })
+}
+
+/// A model fitted to the photograph, its numbers, and the render as it answers.
+fn fit(model: Model, photo: &Grid, render: &Grid, [high_pass_px, dark]: [f64; 2]) -> (Model, Response, Numbers, Grid) {
+    let response = Response::fit(model, photo, render);
+    let fitted = response.apply(render);
+    let numbers = Numbers::of(photo, render, &fitted, high_pass_px, dark);
+    (model, response, numbers, fitted)
 }
 
 /// The camera that renders, and the sky above what it sees.

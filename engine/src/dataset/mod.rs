@@ -50,8 +50,8 @@ pub use landmarks::LandmarkFile;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{
-    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord,
-    PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord, SoftwareRecord,
-    SplitRecord, Statistics, SunRecord, SweepRecord,
+    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, ExposureMetadata, FileRecord, InputRecords,
+    PlaneRecord, PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord,
+    SoftwareRecord, SplitRecord, Statistics, SunRecord, SweepRecord,
 };
 pub use writer::{Exposure, Orthoimage, Settings, Summary, Writer};

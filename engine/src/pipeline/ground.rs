@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use super::globe::Shown;
+use super::globe::DrawnTiles;
 use super::{Error, Progress};
 use crate::dataset::Input;
 use crate::files;
@@ -32,7 +32,7 @@ pub struct Ground {
     /// One line a level.
     pub resampling: Vec<String>,
     /// Where the terrain is a globe, of which the surface shows a part.
-    pub globe: Option<Box<Shown>>,
+    pub globe: Option<Box<DrawnTiles>>,
 }
 
 /// Opens (or makes) the DEMs and lifts them onto levels.
@@ -79,7 +79,7 @@ fn globe(
     progress: &dyn Progress,
 ) -> Result<Ground, Error> {
     progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
-    let shown = Shown::open(body, written, values(written.values))?;
+    let shown = DrawnTiles::open(body, written, values(written.values))?;
     let name = file_name(&written.path);
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
@@ -203,10 +203,10 @@ fn make_synthetic(
     let mut coarse = None;
     for (parameters, path) in &wanted {
         progress.begin("making terrain", 0, "craters");
-        let heard = |done: usize, total: usize| progress.at(done, total);
+        let on_progress = |done: usize, total: usize| progress.at(done, total);
         let terrain = match &coarse {
-            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
-            None => synthetic::generate(body, parameters, &heard)?,
+            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &on_progress)?,
+            None => synthetic::generate(body, parameters, &on_progress)?,
         };
         keep(&terrain.craters, path, &|path| terrain.write(path))?;
         coarse = Some(terrain);
@@ -294,13 +294,13 @@ pub fn horizons<E: From<Error>>(
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
             let (start, built) = (Instant::now(), AtomicBool::new(false));
-            let heard = |done: usize, total: usize| {
+            let on_progress = |done: usize, total: usize| {
                 built.store(true, Ordering::Relaxed);
                 progress.at(done, total);
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, memory, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, memory, &on_progress).map_err(Error::from)?;
             let key = request.key();
             let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());

@@ -22,4 +22,4 @@ pub use georeference::{Georeference, Projector};
 pub use picture::{Picture, notes};
 pub use reader::Values;
 pub use window::{Around, Window};
-pub use write::{Band, GeoTiff};
+pub use write::{GeoTiff, GeoTiffBand};

@@ -16,7 +16,7 @@ use crate::files::NewFile;
 
 /// One band: what it holds, and its values row by row from the top left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band<'a> {
+pub struct GeoTiffBand<'a> {
     pub name: &'a str,
     pub unit: &'a str,
     pub values: &'a [f32],
@@ -28,7 +28,7 @@ pub struct GeoTiff<'a> {
     pub columns: usize,
     pub rows: usize,
     /// All of `columns × rows` values.
-    pub bands: Vec<Band<'a>>,
+    pub bands: Vec<GeoTiffBand<'a>>,
     /// WKT, PROJ string or authority code.
     pub crs: &'a str,
     /// GDAL's affine map: from the first pixel's corner, see [`Georeference`](super::Georeference).

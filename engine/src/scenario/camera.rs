@@ -6,7 +6,7 @@ use super::check::Check;
 use super::error::Fault;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
-use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
 use crate::dataset::Format;
 use crate::labels::{Limits, Wanted};
 use crate::render::Quantity;
@@ -146,20 +146,20 @@ fn vignetting(written: Option<spec::Vignetting>) -> Vignetting {
     }
 }
 
-fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<Spread> {
+fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<PsfComponent> {
     let list = written.psf.as_deref().unwrap_or_default();
     let middle = written.band_nm.map(|(low, high)| 0.5 * (low + high));
-    let spread = |(index, spread): (usize, &spec::Spread)| match *spread {
-        spec::Spread::Gaussian { sigma_px } => Some(Spread::Gaussian { sigma_px }),
-        spec::Spread::Defocus { diameter_px } => Some(Spread::Disc { diameter_px }),
-        spec::Spread::Kernel { .. } => None,
-        spec::Spread::Airy { wavelength_nm } => {
+    let spread = |(index, spread): (usize, &spec::PsfComponent)| match *spread {
+        spec::PsfComponent::Gaussian { sigma_px } => Some(PsfComponent::Gaussian { sigma_px }),
+        spec::PsfComponent::Defocus { diameter_px } => Some(PsfComponent::Disc { diameter_px }),
+        spec::PsfComponent::Kernel { .. } => None,
+        spec::PsfComponent::Airy { wavelength_nm } => {
             let key = format!("camera.psf[{index}]");
             check.needs(written.pixel_pitch_um.is_some(), &key, "needs camera.pixel_pitch_um");
             let known = wavelength_nm.or(middle);
             check.needs(known.is_some(), &key, "needs wavelength_nm, or camera.band_nm");
             let (pitch_um, wavelength_nm) = (written.pixel_pitch_um?, known?);
-            Some(Spread::Airy { cutoff_px: wavelength_nm * 1e-3 * written.f_number.unwrap_or(4.0) / pitch_um })
+            Some(PsfComponent::Airy { cutoff_px: wavelength_nm * 1e-3 * written.f_number.unwrap_or(4.0) / pitch_um })
         }
     };
     list.iter().enumerate().filter_map(spread).collect()
@@ -168,7 +168,7 @@ fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<Spread> {
 fn kernel(written: &spec::Camera, check: &mut Check) -> Option<PathBuf> {
     let mut kernel = None;
     for (index, spread) in written.psf.iter().flatten().enumerate() {
-        if let spec::Spread::Kernel { path } = spread {
+        if let spec::PsfComponent::Kernel { path } = spread {
             let key = format!("camera.psf[{index}]");
             check.needs(kernel.is_none(), &key, "is a second kernel; one is allowed");
             kernel = Some(check.file(&format!("{key}.path"), path));

@@ -3,24 +3,24 @@
 use std::path::{Path, PathBuf};
 
 use super::error::{Fault, Problem};
-use super::files::{Found, Places};
-use super::tree::{Node, Place};
+use super::files::{Found, SearchPath};
+use super::tree::{Node, TextPosition};
 
 /// Says what a file is and where it can be had, by its name.
-pub type About<'a> = &'a dyn Fn(&str) -> Option<String>;
+pub type FileHint<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// Collects problems while a [`Spec`] becomes a [`Scenario`]. Where a value is wrong, a harmless one takes its place,
 /// so that the rest can be checked too; the scenario is then thrown away.
 pub struct Check<'a> {
     pub tree: Option<&'a Node>,
     pub problems: Vec<Problem>,
-    pub places: &'a Places,
-    pub about: About<'a>,
+    pub places: &'a SearchPath,
+    pub about: FileHint<'a>,
 }
 
 impl Check<'_> {
     pub fn report(&mut self, key: &str, fault: Fault) {
-        let place = self.tree.map_or(Place { line: 1, column: 1 }, |tree| tree.locate(key));
+        let place = self.tree.map_or(TextPosition { line: 1, column: 1 }, |tree| tree.locate(key));
         self.problems.push(Problem { place, key: key.into(), fault });
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Directories in which file names of a scenario are looked up, in this order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Places {
+pub struct SearchPath {
     /// The scenario's own directory.
     pub beside: PathBuf,
     /// `--data`, then `SIM_DATA`.
@@ -20,7 +20,7 @@ pub(super) enum Found {
     Nowhere(Vec<String>),
 }
 
-impl Places {
+impl SearchPath {
     /// The places for a scenario's file: its directory, `data`, and `SIM_DATA` or else `../shared/data` beside the
     /// program's source.
     pub fn of(scenario: &Path, data: &[PathBuf]) -> Self {

@@ -31,9 +31,9 @@ mod world;
 pub mod reference;
 pub mod spec;
 
-pub use check::About;
+pub use check::FileHint;
 pub use error::{Fault, Problem, ScenarioError};
-pub use files::Places;
+pub use files::SearchPath;
 pub use resolve::{load, resolve};
 pub use resolved::*;
 pub use spec::Spec;

@@ -2,18 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use super::check::{About, Check};
+use super::check::{Check, FileHint};
 use super::error::{Problem, ScenarioError};
-use super::files::Places;
+use super::files::SearchPath;
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::{camera, light, motion, presets, structure, sweep, text, tree, world};
 
 /// Reads and resolves the scenario `name`: a path, or a name in `scenarios/`. Files are looked for in `data` too.
-pub fn load(name: &Path, data: &[PathBuf], about: About) -> Result<Scenario, ScenarioError> {
+pub fn load(name: &Path, data: &[PathBuf], about: FileHint) -> Result<Scenario, ScenarioError> {
     let path = find(name)?;
     let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
-    resolve(&path, &text, &Places::of(&path, data), about)
+    resolve(&path, &text, &SearchPath::of(&path, data), about)
 }
 
 fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
@@ -29,7 +29,7 @@ fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
 }
 
 /// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
-pub fn resolve(path: &Path, text: &str, places: &Places, about: About) -> Result<Scenario, ScenarioError> {
+pub fn resolve(path: &Path, text: &str, places: &SearchPath, about: FileHint) -> Result<Scenario, ScenarioError> {
     let problems = |mut problems: Vec<Problem>| {
         problems.sort_by_key(|problem| problem.place);
         ScenarioError::Problems { path: path.to_path_buf(), problems }

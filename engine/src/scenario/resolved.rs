@@ -7,7 +7,7 @@ use hifitime::Epoch;
 
 use super::spec;
 use super::varied::Sweep;
-use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::labels::Wanted;
@@ -45,7 +45,7 @@ pub struct Scenario {
     pub albedo: Albedo,
     pub sun: Sun,
     /// `None`: all wavelengths.
-    pub band: Option<Band>,
+    pub band: Option<Passband>,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
     /// `None`: a black sky.
@@ -191,7 +191,7 @@ pub struct LimbDarkened {
 
 /// The wavelengths that count.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Band {
+pub struct Passband {
     pub response: Curve,
     /// The response's file; `None`: the same response between two wavelengths.
     pub path: Option<PathBuf>,
@@ -296,7 +296,7 @@ pub struct Camera {
     /// On the plane at distance 1, from measured to ideal.
     pub correction: Option<Correction>,
     pub vignetting: Vignetting,
-    pub spreads: Vec<Spread>,
+    pub spreads: Vec<PsfComponent>,
     /// A measured kernel, which follows the spreads.
     pub kernel: Option<PathBuf>,
     /// A square number.

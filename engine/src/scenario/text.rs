@@ -2,12 +2,12 @@
 
 use super::error::{Fault, Problem};
 use super::spec::Spec;
-use super::tree::Place;
+use super::tree::TextPosition;
 
 /// Reads a scenario.
 pub fn parse(text: &str) -> Result<Spec, Problem> {
     read(text).map_err(|error| Problem {
-        place: Place { line: error.span.start.line, column: error.span.start.col },
+        place: TextPosition { line: error.span.start.line, column: error.span.start.col },
         key: String::new(),
         fault: Fault::Syntax(first_letter_lower(&error.code.to_string())),
     })

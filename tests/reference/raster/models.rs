@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Body, Geodetic};
-use perilune_engine::raster::{Band, Dem, GeoTiff, Options};
+use perilune_engine::raster::{Dem, GeoTiff, GeoTiffBand, Options};
 
 pub const R: f64 = 1_737_400.0;
 
@@ -116,7 +116,7 @@ impl Model {
 }
 
 pub fn write(path: &Path, columns: usize, rows: usize, crs: &str, geotransform: [f64; 6], values: &[f32]) {
-    let bands = vec![Band { name: "height", unit: "m", values }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values }];
     GeoTiff { columns, rows, bands, crs, geotransform }.write(path).unwrap();
 }
 

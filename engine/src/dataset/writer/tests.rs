@@ -1,4 +1,4 @@
-use super::desk::read_record;
+use super::exposure_writer::read_record;
 use super::*;
 use crate::render::{Plane, Quantity};
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ fn exposure(index: usize) -> Exposure {
         Plane { quantity: Quantity::Radiance, name: "RADIANCE", values: values(1.0 + index as f32) },
         Plane { quantity: Quantity::Depth, name: "DEPTH", values: values(1e3) },
     ];
-    let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
+    let facts = ExposureMetadata { frame_id: format!("test/{index:04}"), ..ExposureMetadata::default() };
     let image = Image { columns: 8, rows: 6, planes };
     Exposure { index, image, facts, landmarks: None, orthoimage: None }
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::render::ViewRays;
 
 pub use camera::{
-    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
+    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, PsfComponent, Shutter, Vignetting,
 };
 pub use light::{Ambient, Bounce, Disc, Earthshine, FixedSun, LimbLaw, Sky, Spectrum, Sun};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};

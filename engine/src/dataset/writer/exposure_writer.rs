@@ -21,57 +21,60 @@ use crate::dataset::preview::{self, Thumbnail};
 use crate::dataset::record::{self, FileRecord, PlaneRecord, PreviewRecord, Record, SCHEMA_VERSION};
 use crate::dataset::{exr_file, fits_file, npz_file, png_file, sequences, tiff_file};
 use crate::files;
-use crate::raster::{Band, GeoTiff};
+use crate::raster::{GeoTiff, GeoTiffBand};
 use crate::render::{Image, Plane, Quantity};
 
 /// Planes of 1024² pixels for a sequence of 32.
-const KEPT_BYTES: usize = 256 << 20;
+const PREVIEW_BYTES: usize = 256 << 20;
 
 /// A preview reduced for the overviews.
-pub struct Dn {
+pub struct Thumbnails {
     pub frame: Thumbnail,
     pub sheet: Thumbnail,
 }
 
 /// Names, reads and writes the files of exposures.
 #[derive(Debug, Clone)]
-pub struct Desk {
+pub struct ExposureWriter {
     pub directory: PathBuf,
     pub key: String,
     pub settings: Settings,
-    pub kept: Kept,
+    pub previews: PreviewCache,
 }
 
 /// Planes that previews show, so that they need not be read again once their scale is known: as many as fit.
 #[derive(Debug, Clone, Default)]
-pub struct Kept(Arc<Mutex<BTreeMap<usize, Shown>>>);
+pub struct PreviewCache(Arc<Mutex<BTreeMap<usize, PreviewSource>>>);
 
 /// What a preview is made from.
 #[derive(Debug, Clone)]
-struct Shown {
+struct PreviewSource {
     size: [usize; 2],
     values: Vec<f32>,
     gaps: Option<Vec<f32>>,
 }
 
-impl Kept {
+impl PreviewCache {
     fn keep(&self, index: usize, image: &Image, records: &[PlaneRecord]) {
         let plane = |channel: &str| image.planes.iter().find(|plane| plane.name == channel);
         let Some(values) = preview::shown(records).and_then(|record| plane(&record.channel)) else { return };
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let bytes = (2 * size_of::<f32>()) * values.values.len();
-        if (kept.len() + 1) * bytes <= KEPT_BYTES {
+        if (kept.len() + 1) * bytes <= PREVIEW_BYTES {
             let gaps = plane(Quantity::DemGap.channels()[0]).map(|plane| plane.values.clone());
-            kept.insert(index, Shown { size: [image.columns, image.rows], values: values.values.clone(), gaps });
+            kept.insert(
+                index,
+                PreviewSource { size: [image.columns, image.rows], values: values.values.clone(), gaps },
+            );
         }
     }
 
-    fn take(&self, index: usize) -> Option<Shown> {
+    fn take(&self, index: usize) -> Option<PreviewSource> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(&index)
     }
 }
 
-impl Desk {
+impl ExposureWriter {
     pub fn name(&self, index: usize, extension: &str) -> String {
         format!("exposure_{index:04}.{extension}")
     }
@@ -101,7 +104,7 @@ impl Desk {
         if let Some(orthoimage) = &exposure.orthoimage {
             files.push(self.write_orthoimage(&self.name(index, "ortho.tif"), orthoimage)?);
         }
-        self.kept.keep(index, &exposure.image, &planes);
+        self.previews.keep(index, &exposure.image, &planes);
         let facts = exposure.facts;
         let (schema_version, run_key) = (SCHEMA_VERSION.into(), self.key.clone());
         let record = Record { schema_version, run_key, facts, planes, preview: None, files };
@@ -186,9 +189,9 @@ impl Desk {
     }
 
     /// Writes the preview of an exposure, from its planes on disk where they are not kept, and the record that names it.
-    pub fn preview(&self, index: usize, record: &mut Record, scale: &PreviewScale) -> Result<Dn, DatasetError> {
-        let shown = self.kept.take(index).map_or_else(|| self.read_shown(index, scale), Ok)?;
-        let Shown { size, values, gaps } = shown;
+    pub fn preview(&self, index: usize, record: &mut Record, scale: &PreviewScale) -> Result<Thumbnails, DatasetError> {
+        let shown = self.previews.take(index).map_or_else(|| self.read_shown(index, scale), Ok)?;
+        let PreviewSource { size, values, gaps } = shown;
         let dn = preview::digital_numbers(&values, gaps.as_deref(), size[0], scale.white);
         let name = self.name(index, "png");
         let bytes = png_file::encode_16(&self.path(&name), size, &dn, &preview::comment(scale))?;
@@ -203,7 +206,7 @@ impl Desk {
         });
         self.write(&self.name(index, "json"), &pretty(record))?;
         let reduced = |largest| Thumbnail::of(&dn, size[0], largest);
-        Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
+        Ok(Thumbnails { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
     }
 
     /// Writes the preview with the landmarks of an exposure, where both are asked for.
@@ -219,14 +222,14 @@ impl Desk {
         Ok(())
     }
 
-    fn read_shown(&self, index: usize, scale: &PreviewScale) -> Result<Shown, DatasetError> {
+    fn read_shown(&self, index: usize, scale: &PreviewScale) -> Result<PreviewSource, DatasetError> {
         let mut file = exr_file::read_exr(&self.path(&self.name(index, "exr")))?;
         let mut channel = |wanted: &str| {
             let found = file.channels.iter().position(|(name, _)| name == wanted)?;
             Some(file.channels.swap_remove(found).1)
         };
         let values = channel(&scale.channel).unwrap_or_default();
-        Ok(Shown { values, gaps: channel(Quantity::DemGap.channels()[0]), size: [file.columns, file.rows] })
+        Ok(PreviewSource { values, gaps: channel(Quantity::DemGap.channels()[0]), size: [file.columns, file.rows] })
     }
 
     /// Removes what killed processes left half-written, and the files of other runs.
@@ -275,8 +278,8 @@ fn record_of(name: &str) -> Option<String> {
     }
 }
 
-fn band(plane: &Plane) -> Band<'_> {
-    Band { name: plane.name, unit: plane.quantity.unit(), values: &plane.values }
+fn band(plane: &Plane) -> GeoTiffBand<'_> {
+    GeoTiffBand { name: plane.name, unit: plane.quantity.unit(), values: &plane.values }
 }
 
 pub fn read_record(path: &Path) -> Result<Record, DatasetError> {

@@ -12,7 +12,7 @@ use perilune_engine::raster::{self, Dem};
 use perilune_engine::render::passes::Passes;
 use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
-use perilune_engine::scenario::{self, Places, Scenario};
+use perilune_engine::scenario::{self, Scenario, SearchPath};
 use perilune_engine::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
 use tempfile::TempDir;
 
@@ -124,7 +124,7 @@ fn resolved(folder: &TempDir, place: [f64; 3], terrain: &str, horizon: &str, cam
     );
     let path = folder.path().join("scenario.ron");
     std::fs::write(&path, &text).unwrap();
-    scenario::resolve(&path, &text, &Places::of(&path, &[]), &|_| None).unwrap()
+    scenario::resolve(&path, &text, &SearchPath::of(&path, &[]), &|_| None).unwrap()
 }
 
 fn ready(scenario: &Scenario, cache: &Path) -> (Prepared, Scene) {
