@@ -5,6 +5,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+mod circles;
+
 /// Modules of one layer do not see each other.
 const LAYERS: [&[&str]; 14] = [
     &["quantity", "digest", "files"],
@@ -144,6 +146,43 @@ fn modules_use_only_what_lies_below_them() {
         })
         .collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// Modules whose files are in no circle.
+const WITHOUT_CIRCLES: [&str; 17] = [
+    "camera",
+    "compare",
+    "dataset",
+    "digest",
+    "ephemeris",
+    "files",
+    "geometry",
+    "gpu",
+    "horizon",
+    "illumination",
+    "image_metrics",
+    "labels",
+    "photometry",
+    "raster",
+    "report",
+    "scenario",
+    "terrain",
+];
+
+#[test]
+fn files_of_a_module_are_in_no_circle() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("engine/src");
+    for module in WITHOUT_CIRCLES {
+        let sources = rust_files(&src).into_iter().filter_map(|file| {
+            let path = file.strip_prefix(&src).ok()?.to_string_lossy().replace('\\', "/");
+            let is_own = path.split('/').next()?.trim_end_matches(".rs") == module;
+            is_own.then(|| (path, fs::read_to_string(file).unwrap()))
+        });
+        let sources: Vec<_> = sources.collect();
+        assert!(!sources.is_empty(), "no files of {module}");
+        let found = circles::circles(&sources);
+        assert!(found.is_empty(), "{}", found.join("\n"));
+    }
 }
 
 #[test]

@@ -63,7 +63,9 @@ fn a_tile_is_verified_against_its_dem_and_no_other() {
 fn a_tile_that_does_not_err_as_it_says_fails() {
     let (folder, tile) = ridge();
     let (header, map) = store::read(&tile).unwrap();
-    let fails = |header: &store::Header, map: &perilune_engine::horizon::HorizonMap, figure: &str| {
+    let fails = |header: &perilune_engine::horizon::header::Header,
+                 map: &perilune_engine::horizon::HorizonMap,
+                 figure: &str| {
         store::write(&tile, header, map).unwrap();
         let output = sim(folder.path(), &["horizon", "verify", tile.to_str().unwrap(), "ridge.tif"]);
         let said = String::from_utf8(output.stderr).unwrap();

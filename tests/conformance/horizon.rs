@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use perilune_engine::horizon::pack::{Family, Field, pack, unpack};
+use perilune_engine::horizon::pack::{BitField, Family, pack, unpack};
 use perilune_engine::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
 
 use super::{Comparison, Shader, functions, gpu, spread};
@@ -39,7 +39,7 @@ fn map(encoding: Encoding) -> HorizonMap {
 }
 
 /// Fields of one to nine bits that fill the words, of falling steps.
-fn fields(words: usize, reals: usize) -> Vec<Field> {
+fn fields(words: usize, reals: usize) -> Vec<BitField> {
     let mut fields = Vec::new();
     for word in 0..words {
         let mut shift = 0;
@@ -47,7 +47,7 @@ fn fields(words: usize, reals: usize) -> Vec<Field> {
             let order = fields.len() as f32 / 2.0;
             let step_rad = 0.1 / (1.0 + order) / (1 << width) as f32;
             let real = fields.len() * (reals - 1) / (7 * words - 1);
-            fields.push(Field { real, word, shift, width, step_rad, offset_rad: 0.1 * step_rad, bias: 0.5 });
+            fields.push(BitField { real, word, shift, width, step_rad, offset_rad: 0.1 * step_rad, bias: 0.5 });
             shift += width;
         }
     }

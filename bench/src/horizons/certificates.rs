@@ -6,8 +6,8 @@ use super::profiles::Profiles;
 use crate::scenes::Scene;
 use crate::{Table, Value};
 use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::exact::{Exact, Interval};
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::report::statistics::Errors;
 
 /// The table that [`row`] fills.

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::scenes::Scene;
 use crate::{Error, Table, Value};
 use perilune_engine::horizon::Settings;
-use perilune_engine::horizon::method::Search;
-use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::axis::Major;
+use perilune_engine::horizon::search::Search;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::report::statistics::Errors;
 

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use crate::scenes::Scene;
 use crate::{Error, Table, Value};
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::measure::Sample;
-use perilune_engine::horizon::method::Search;
-use perilune_engine::horizon::sweep::grid::Major;
+use perilune_engine::horizon::search::Search;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{Method, Settings};
 use perilune_engine::report::machine::thread_seconds;

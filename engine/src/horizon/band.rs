@@ -7,11 +7,11 @@
 //! h' = clamp(h, asin(u·s) − reach, asin(u·s) + reach)
 //! ```
 //!
-//! Fitted in place of `h`, a cliff's ringing shrinks from a share of its height to that share of the band. The vertical is the
+//! Fitted in place of `h`, a cliff's ringing shrinks from a fraction of its height to that fraction of the band. The vertical is the
 //! point's own: over a map of 370 km the Sun's elevation changes by 12°.
 //!
 //! How much that gains depends on what else an encoding loses. On 64² nodes of cratered terrain under a Sun at 1.5° in all
-//! azimuths, as shares of what `fm16` without a band errs (numerical experiment, margins in radii beyond the disc):
+//! azimuths, as fractions of what `fm16` without a band errs (numerical experiment, margins in radii beyond the disc):
 //!
 //! | series | pixel error rate | RMS | RMS in the penumbra |
 //! |---|---|---|---|
@@ -45,10 +45,8 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::fit::Plane;
-use super::sweep::grid::Major;
 use crate::geometry::{BodyFixed, Direction};
-use crate::terrain::{Gnomonic, Level};
+use crate::terrain::Gnomonic;
 
 /// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the
 /// reach, so 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge
@@ -63,14 +61,14 @@ const STEPS_PER_RADIAN: f64 = 1e6;
 /// All elevations within reach of a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Band {
+pub struct ElevationBand {
     /// Body-fixed unit vector of the cap's middle.
     pub towards: [f64; 3],
     /// From the middle to the band's edges.
     pub reach_rad: f64,
 }
 
-impl Band {
+impl ElevationBand {
     /// The band about lights of an angular radius; `None` where they stand all around, so that every elevation matters.
     pub fn about(lights: &[(Direction<BodyFixed>, f64)]) -> Option<Self> {
         let units = || lights.iter().map(|(direction, _)| direction.unit());
@@ -97,49 +95,6 @@ impl Band {
     pub fn clamp(&self, map: &Gnomonic, at_m: DVec2, elevation_rad: f64) -> f64 {
         let [low_rad, high_rad] = self.ends_rad(map, at_m);
         elevation_rad.clamp(low_rad, high_rad)
-    }
-}
-
-/// The ends of a band at all seen nodes of a level, laid out as the planes of one orientation.
-#[derive(Debug)]
-pub struct Ends {
-    width: usize,
-    ends_rad: Vec<[f32; 2]>,
-}
-
-impl Ends {
-    pub fn of(band: &Band, map: &Gnomonic, level: &Level, major: Major) -> Self {
-        let [columns, rows] = level.seen_size();
-        let (width, height) = match major {
-            Major::Row => (columns, rows),
-            Major::Column => (rows, columns),
-        };
-        let at = |index: usize| {
-            let (along, across) = (index % width, index / width);
-            let (column, row) = match major {
-                Major::Row => (along, across),
-                Major::Column => (across, along),
-            };
-            let at_m = level.node_m(column + level.margin, row + level.margin);
-            band.ends_rad(map, at_m).map(|end_rad| end_rad as f32)
-        };
-        Self { width, ends_rad: (0..width * height).map(at).collect() }
-    }
-
-    /// An elevation at a node, counted along the planes' rows.
-    pub fn clamped(&self, node: usize, elevation_rad: f32) -> f32 {
-        let [low_rad, high_rad] = self.ends_rad[node];
-        elevation_rad.max(low_rad).min(high_rad)
-    }
-
-    /// Clamps a plane of the same orientation.
-    pub fn clamp(&self, plane: &mut Plane) {
-        let rows = plane.elevations_rad.chunks_mut(plane.stride);
-        for (elevations_rad, ends_rad) in rows.zip(self.ends_rad.chunks(self.width)) {
-            for (elevation_rad, [low_rad, high_rad]) in elevations_rad.iter_mut().zip(ends_rad) {
-                *elevation_rad = elevation_rad.max(*low_rad).min(*high_rad);
-            }
-        }
     }
 }
 
@@ -173,7 +128,7 @@ mod tests {
     #[test]
     fn a_cliff_rings_by_a_share_of_the_band_instead_of_its_height() {
         let sun_rad = 1.5_f64.to_radians();
-        let band = Band::about(&lights(&[[0.3, sun_rad]])).unwrap();
+        let band = ElevationBand::about(&lights(&[[0.3, sun_rad]])).unwrap();
         let cliff = |azimuth_rad: f64| if (azimuth_rad - 3.0).abs() < 0.5 { 0.2 } else { 0.0 };
         let lowest = |h: &dyn Fn(f64) -> f64| {
             let samples: Vec<_> = (0..7200).map(|i| h(TAU * f64::from(i) / 7200.0)).collect();
@@ -192,7 +147,7 @@ mod tests {
     #[test]
     fn clamping_never_changes_on_which_side_of_a_disc_the_skyline_is() {
         let lights = lights(&[[0.3, 0.02], [0.35, 0.03], [0.4, 0.01]]);
-        let (band, map) = (Band::about(&lights).unwrap(), map());
+        let (band, map) = (ElevationBand::about(&lights).unwrap(), map());
         for at_m in [DVec2::ZERO, DVec2::new(180_000.0, -90_000.0), DVec2::new(-184_000.0, 184_000.0)] {
             for (light, radius_rad) in &lights {
                 let towards = map.map_from_body * *light;
@@ -209,11 +164,11 @@ mod tests {
 
     #[test]
     fn the_band_of_one_light_is_its_disc_and_the_margin_and_of_opposite_ones_none() {
-        let [low_rad, high_rad] = Band::about(&lights(&[[1.0, 0.1]])).unwrap().ends_rad(&map(), DVec2::ZERO);
+        let [low_rad, high_rad] = ElevationBand::about(&lights(&[[1.0, 0.1]])).unwrap().ends_rad(&map(), DVec2::ZERO);
         let reach_rad = (1.0 + MARGIN_RADII) * SUN_RADIUS_RAD;
         // Rounded to a microradian each.
         assert!((low_rad - (0.1 - reach_rad)).abs() < 3e-6 && (high_rad - (0.1 + reach_rad)).abs() < 3e-6);
-        assert_eq!(Band::about(&lights(&[[0.0, 0.0], [TAU / 2.0, 0.0]])), None);
-        assert_eq!(Band::about(&[]), None);
+        assert_eq!(ElevationBand::about(&lights(&[[0.0, 0.0], [TAU / 2.0, 0.0]])), None);
+        assert_eq!(ElevationBand::about(&[]), None);
     }
 }

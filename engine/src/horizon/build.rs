@@ -14,20 +14,21 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::band::Ends;
-use super::bound;
-use super::checkpoint::Checkpoint;
+use super::axis::Major;
+use super::band_limits::BandLimits;
+use super::calibration;
+use super::checkpoint::{Checkpoint, State};
+use super::elevation_plane::ElevationPlane;
 use super::error::Error;
-use super::fit::{Accumulator, Plane};
+use super::fit::Accumulator;
+use super::header::Header;
 use super::measure::{Sample, measure};
 use super::memory::{self, Memory};
-use super::method::Search;
 use super::pack::HorizonMap;
 use super::request::Request;
-use super::settings::Settings;
-use super::shelf::Shelf;
-use super::store::{self, Header};
-use super::sweep::grid::Major;
+use super::search::Search;
+use super::store;
+use super::texel_store::TexelStore;
 use crate::files;
 
 /// How much work a kill may cost.
@@ -73,15 +74,6 @@ pub fn build_at(request: &Request, path: &Path, memory: Memory, progress: &Progr
     builder.finish()
 }
 
-/// What a build has reached.
-#[derive(Debug, Clone)]
-pub struct State {
-    /// Azimuths added, in the builder's order.
-    pub done: usize,
-    pub sums: Accumulator,
-    pub sample: Sample,
-}
-
 /// A build under way.
 #[derive(Debug)]
 pub struct Builder<'a> {
@@ -95,8 +87,8 @@ pub struct Builder<'a> {
     block: usize,
     state: State,
     /// Planes that the bounds are found from, where there is memory for them.
-    probes: Option<Vec<Plane>>,
-    search: Option<(Major, Search<'a>, Option<Ends>)>,
+    probes: Option<Vec<ElevationPlane>>,
+    search: Option<(Major, Search<'a>, Option<BandLimits>)>,
 }
 
 impl<'a> Builder<'a> {
@@ -116,15 +108,15 @@ impl<'a> Builder<'a> {
 
         let nodes = request.nodes();
         let [columns, rows] = nodes.seen_size();
-        let share = memory.share(request);
-        let accumulator = if share.sums_fit { Accumulator::new } else { Accumulator::on_disk };
+        let allowance = memory.allowance(request);
+        let accumulator = if allowance.sums_fit { Accumulator::new } else { Accumulator::on_disk };
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
         let mut state = State { done: 0, sums, sample: Sample::of(nodes, MEASURED_PIXELS, settings.azimuths) };
         checkpoint.resume(&mut state);
-        if !share.sums_fit {
+        if !allowance.sums_fit {
             memory::give_back();
         }
-        let (block, probes) = (share.planes, share.probes_fit.then(Vec::new));
+        let (block, probes) = (allowance.planes, allowance.probes_fit.then(Vec::new));
         Ok(Self {
             request: *request,
             path: path.into(),
@@ -153,11 +145,11 @@ impl<'a> Builder<'a> {
         if self.search.as_ref().is_none_or(|(prepared, ..)| *prepared != major) {
             // One orientation of the heights at a time.
             self.search = None;
-            let ends = settings.band.map(|band| Ends::of(&band, &face.map, &face.levels[*level], major));
-            self.search = Some((major, Search::new(face, *level, major, settings)?, ends));
+            let limits = settings.band.map(|band| BandLimits::of(&band, &face.map, &face.levels[*level], major));
+            self.search = Some((major, Search::new(face, *level, major, settings)?, limits));
         }
-        let Some((_, search, ends)) = &self.search else { return Ok(()) };
-        let plane = |&azimuth: &usize| plane(search, ends.as_ref(), settings, azimuth);
+        let Some((_, search, limits)) = &self.search else { return Ok(()) };
+        let plane = |&azimuth: &usize| search.plane(limits.as_ref(), settings, azimuth);
         let planes = block.par_iter().map(plane).collect::<Result<Vec<_>, Error>>()?;
         planes.iter().for_each(|plane| self.state.sample.keep(plane, major));
         self.state.done += block.len();
@@ -165,7 +157,7 @@ impl<'a> Builder<'a> {
             self.state.sums.add(&planes, major);
             if let Some(probes) = &mut self.probes {
                 let azimuths = settings.azimuths;
-                probes.extend(planes.into_iter().filter(|plane| bound::is_probed(plane.azimuth, azimuths)));
+                probes.extend(planes.into_iter().filter(|plane| calibration::is_probed(plane.azimuth, azimuths)));
             }
             return Ok(());
         }
@@ -183,13 +175,14 @@ impl<'a> Builder<'a> {
         let Request { face, level, settings, .. } = &self.request;
         let map = self.state.sums.map();
         let errors = measure(face, *level, settings, &self.state.sample, &map);
-        let (shelf, block) = match self.state.sums.in_memory() {
-            true => (Shelf::Memory(map), bound::BLOCK),
-            false => (Shelf::on_disk(map, &self.path.with_extension("texels"))?, self.block),
+        let (texels, block) = match self.state.sums.in_memory() {
+            true => (TexelStore::Memory(map), calibration::BLOCK),
+            false => (TexelStore::on_disk(map, &self.path.with_extension("texels"))?, self.block),
         };
-        let swept = bound::Swept { request: &self.request, planes: &self.probes.unwrap_or_default(), block };
-        let (bounds, statistics) = bound::bounds(&swept, &shelf, &self.state.sample.pixels, &errors.decoded_rad)?;
-        let mut map = shelf.take()?;
+        let swept = calibration::Swept { request: &self.request, planes: &self.probes.unwrap_or_default(), block };
+        let (bounds, statistics) =
+            calibration::bounds(&swept, &texels, &self.state.sample.pixels, &errors.decoded_rad)?;
+        let mut map = texels.take()?;
         map.errors = errors.statistics(statistics);
         map.bounds = bounds;
         let header = Header::new(&self.request, &map);
@@ -197,12 +190,4 @@ impl<'a> Builder<'a> {
         self.checkpoint.remove();
         Ok(map)
     }
-}
-
-/// The plane of an azimuth, moved into the band that matters.
-pub(super) fn plane(search: &Search, ends: Option<&Ends>, settings: &Settings, azimuth: usize) -> Result<Plane, Error> {
-    let elevations_rad = search.elevations_rad(settings.direction(azimuth))?;
-    let mut plane = Plane { azimuth, stride: search.receivers().stride, elevations_rad };
-    ends.iter().for_each(|ends| ends.clamp(&mut plane));
-    Ok(plane)
 }

@@ -14,16 +14,26 @@ use std::sync::{Arc, Mutex};
 use bytemuck::{cast_slice, cast_slice_mut};
 use sha2::{Digest, Sha256};
 
-use super::build::State;
+use super::axis::Major;
+use super::elevation_plane::ElevationPlane;
 use super::error::Error;
-use super::fit::Plane;
+use super::fit::Accumulator;
 use super::fit::sums::{Stored, Sums};
-use super::store::Key;
-use super::sweep::grid::Major;
+use super::key::Key;
+use super::measure::Sample;
 use crate::files::NewFile;
 
 /// Numbers that are in memory at a time while the file is written anew.
 const PIECE: usize = 1 << 18;
+
+/// What a build has reached.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Azimuths added, in the builder's order.
+    pub done: usize,
+    pub sums: Accumulator,
+    pub sample: Sample,
+}
 
 /// The checkpoint file of one tile.
 #[derive(Debug)]
@@ -52,13 +62,13 @@ impl Checkpoint {
 
     /// Writes the state with planes added to its sums. Sums on disk are in the new file then; those in memory stay as they are
     /// and no planes may be given.
-    pub fn save(&self, state: &mut State, planes: &[Plane], major: Major) -> Result<(), Error> {
+    pub fn save(&self, state: &mut State, planes: &[ElevationPlane], major: Major) -> Result<(), Error> {
         let saved = self.write(state, planes, major);
         saved.map(|file| self.refer(state, file)).map_err(|source| Error::write(&self.path, source))
     }
 
     /// The file written, which stays open where another process replaces it.
-    fn write(&self, state: &State, planes: &[Plane], major: Major) -> io::Result<File> {
+    fn write(&self, state: &State, planes: &[ElevationPlane], major: Major) -> io::Result<File> {
         let mut to = Hashed { file: BufWriter::new(NewFile::create(&self.path)?), hash: Sha256::new() };
         to.write(self.key.as_str().as_bytes())?;
         to.write(&(state.done as u64).to_le_bytes())?;

@@ -17,7 +17,7 @@
 //! | blocks | 0.54, 0.67 | 0.50, 0.59 | 0.37, 0.44 | 0.48, 0.45 | 0.64, 0.44 | 0.78, 0.39 |
 //! | needles of one node | 0.88, 0.99 | 0.81, 0.90 | 0.71, 0.78 | 0.58, 0.61 | 0.48, 0.46 | 0.68, 0.40 |
 
-use super::sweep::wide::wide;
+use super::wide::wide;
 
 /// Newton's steps from `h` itself: for elevations up to 90° and κ = 2.5 five leave 2e-8 rad.
 const STEPS: usize = 5;

@@ -1,44 +1,44 @@
 //! A map's skylines in a few azimuths, row by row: what [`HorizonMap::horizon`] gives at the nodes, in `f32`.
 //!
-//! For a fixed azimuth the sum over numbers and the interpolation between texels commute:
+//! For a fixed azimuth the sum over coefficients and the interpolation between texels commute:
 //!
 //! ```text
-//! h = Σₗ bilinear(Σ weight · value),  the sum over the numbers of level l
+//! h = Σₗ bilinear(Σ weight · value),  the sum over the coefficients of level l
 //! ```
 //!
-//! so that each texel row is summed once per azimuth and only one number per level is interpolated. Elevations that were
+//! so that each texel row is summed once per azimuth and only one coefficient per level is interpolated. Elevations that were
 //! compressed are expanded last.
 
 use glam::DVec2;
 
+use super::coefficients::{Coefficient, CoefficientName, coefficients};
 use super::companding;
-use super::numbers::{Name, Number, numbers};
-use super::pack::water::gain_of;
+use super::pack::bit_fields::gain_of;
 use super::pack::{HorizonMap, Texels};
-use super::sweep::wide::wide;
+use super::wide::wide;
 
-/// A map and the weights of its numbers in some directions.
+/// A map and the weights of its coefficients in some directions.
 #[derive(Debug)]
 pub struct Decoder<'a> {
     map: &'a HorizonMap,
-    /// `[level][number]`.
-    numbers: Vec<Vec<Number>>,
-    /// `[level][direction][number]`.
+    /// `[level][coefficient]`.
+    coefficients: Vec<Vec<Coefficient>>,
+    /// `[level][direction][coefficient]`.
     weights: Vec<Vec<Vec<f32>>>,
 }
 
 impl<'a> Decoder<'a> {
     /// A decoder for unit map directions.
     pub fn new(map: &'a HorizonMap, directions: &[DVec2]) -> Self {
-        let all = numbers(map.encoding, &map.fields);
-        let counts = |number: &&Number| number.name != Name::Gain;
+        let all = coefficients(map.encoding, &map.fields);
+        let counts = |coefficient: &&Coefficient| coefficient.name != CoefficientName::Gain;
         let of_level = |level: usize| all.iter().filter(|n| n.level == level).filter(counts).copied().collect();
-        let numbers: Vec<Vec<Number>> = (0..map.levels.len()).map(of_level).collect();
-        let weights = |numbers: &Vec<Number>| {
-            let towards = |direction: &DVec2| numbers.iter().map(|n| n.name.weight(*direction) as f32).collect();
+        let coefficients: Vec<Vec<Coefficient>> = (0..map.levels.len()).map(of_level).collect();
+        let weights = |coefficients: &Vec<Coefficient>| {
+            let towards = |direction: &DVec2| coefficients.iter().map(|n| n.name.weight(*direction) as f32).collect();
             directions.iter().map(towards).collect()
         };
-        Self { map, weights: numbers.iter().map(weights).collect(), numbers }
+        Self { map, weights: coefficients.iter().map(weights).collect(), coefficients }
     }
 
     /// Elevations of a row of nodes, `[direction][column]`, in radians.
@@ -46,13 +46,14 @@ impl<'a> Decoder<'a> {
         let (columns, bits) = (self.map.columns, self.map.encoding.gain_bits());
         let directions = self.weights.first().map_or(0, Vec::len);
         let mut elevations_rad = vec![0.0; directions * columns];
-        for (index, (level, numbers)) in self.map.levels.iter().zip(&self.numbers).enumerate() {
-            let Some(scale) = numbers.first().map(|number| number.scale) else { continue };
-            let (low, share) = neighbours(row, scale, level.rows);
-            // Where the second row has no share it is not decoded.
-            let rows = [(low, 1.0 - share), ((low + 1).min(level.rows - 1), share)];
-            let decoded = rows.iter().filter(|(_, share)| *share > 0.0);
-            let decoded: Vec<_> = decoded.map(|(row, share)| values_rad(level, bits, numbers, *row, *share)).collect();
+        for (index, (level, coefficients)) in self.map.levels.iter().zip(&self.coefficients).enumerate() {
+            let Some(scale) = coefficients.first().map(|coefficient| coefficient.scale) else { continue };
+            let (low, fraction) = neighbours(row, scale, level.rows);
+            // Where the second row has no weight it is not decoded.
+            let rows = [(low, 1.0 - fraction), ((low + 1).min(level.rows - 1), fraction)];
+            let decoded = rows.iter().filter(|(_, fraction)| *fraction > 0.0);
+            let decoded: Vec<_> =
+                decoded.map(|(row, fraction)| values_rad(level, bits, coefficients, *row, *fraction)).collect();
             for (weights, elevations_rad) in self.weights[index].iter().zip(elevations_rad.chunks_mut(columns)) {
                 let mut sums = vec![0.0; level.columns];
                 for values_rad in &decoded {
@@ -62,9 +63,9 @@ impl<'a> Decoder<'a> {
                     );
                 }
                 for (column, elevation_rad) in elevations_rad.iter_mut().enumerate() {
-                    let (low, share) = neighbours(column, scale, level.columns);
+                    let (low, fraction) = neighbours(column, scale, level.columns);
                     let next = sums[(low + 1).min(level.columns - 1)];
-                    *elevation_rad += (1.0 - share) * sums[low] + share * next;
+                    *elevation_rad += (1.0 - fraction) * sums[low] + fraction * next;
                 }
             }
         }
@@ -75,20 +76,20 @@ impl<'a> Decoder<'a> {
     }
 }
 
-/// The texel at or below a node, and the share of the next one.
+/// The texel at or below a node, and the weight of the next one.
 fn neighbours(node: usize, scale: usize, texels: usize) -> (usize, f32) {
     let at = (((node as f32) + 0.5) / scale as f32 - 0.5).clamp(0.0, (texels - 1) as f32);
     (at as usize, at.fract())
 }
 
-/// The share of a row of texels, with so many bits for a gain, in what its numbers stand for, `[number][column]`.
-fn values_rad(level: &Texels, bits: u32, numbers: &[Number], row: usize, share: f32) -> Vec<f32> {
+/// What the coefficients of a row of texels stand for, times a fraction; so many bits of a texel are its gain, `[coefficient][column]`.
+fn values_rad(level: &Texels, bits: u32, coefficients: &[Coefficient], row: usize, fraction: f32) -> Vec<f32> {
     let words = level.words_per_texel;
     let texels = || level.words[row * level.columns * words..][..level.columns * words].chunks(words);
     let gains: Vec<f32> = texels().map(|texel| gain_of(texel, bits)).collect();
-    let mut values_rad = Vec::with_capacity(numbers.len() * level.columns);
-    for number in numbers {
-        let value = |(texel, gain)| share * number.value_rad(number.get(texel), gain);
+    let mut values_rad = Vec::with_capacity(coefficients.len() * level.columns);
+    for coefficient in coefficients {
+        let value = |(texel, gain)| fraction * coefficient.value_rad(coefficient.get(texel), gain);
         values_rad.extend(texels().zip(gains.iter().copied()).map(value));
     }
     values_rad

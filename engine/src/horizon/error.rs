@@ -1,10 +1,7 @@
-//! What can go wrong with horizon tiles, and how wrong their horizons are.
+//! What can go wrong with horizon tiles.
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
-use super::bound::BoundStatistics;
 use super::pack::Encoding;
 
 /// Why a tile cannot be made, written or read.
@@ -52,51 +49,4 @@ impl Error {
     pub(super) fn header(path: &Path, reason: impl ToString) -> Self {
         Self::Header { path: path.into(), reason: reason.to_string() }
     }
-}
-
-/// Quantiles of absolute errors over a sample, in radians.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct ErrorStatistics {
-    pub samples: usize,
-    pub rms_rad: f64,
-    pub p50_rad: f64,
-    pub p95_rad: f64,
-    pub p99_rad: f64,
-    pub max_rad: f64,
-}
-
-impl ErrorStatistics {
-    /// Statistics of signed errors; zeros for an empty sample.
-    pub fn of(errors_rad: impl IntoIterator<Item = f64>) -> Self {
-        let mut sizes_rad: Vec<f64> = errors_rad.into_iter().map(f64::abs).collect();
-        sizes_rad.sort_by(f64::total_cmp);
-        let Some(last) = sizes_rad.len().checked_sub(1) else { return Self::default() };
-        let quantile = |share: f64| short(sizes_rad[(last as f64 * share).round() as usize]);
-        let mean_square = sizes_rad.iter().map(|e| e * e).sum::<f64>() / sizes_rad.len() as f64;
-        Self {
-            samples: sizes_rad.len(),
-            rms_rad: short(mean_square.sqrt()),
-            p50_rad: quantile(0.50),
-            p95_rad: quantile(0.95),
-            p99_rad: quantile(0.99),
-            max_rad: short(sizes_rad[last]),
-        }
-    }
-}
-
-/// A number of four digits: it reads back from text as itself.
-fn short(value: f64) -> f64 {
-    format!("{value:.3e}").parse().expect("a number printed is a number")
-}
-
-/// The errors of a tile against traced horizons, over all azimuths of a stated number of pixels. In a tile with a
-/// band, decoded, swept and traced elevations beyond it count as its ends: the errors are those that a light can show.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct TileErrors {
-    pub pixels: usize,
-    /// Of the swept profiles, before compression.
-    pub swept: ErrorStatistics,
-    /// Of the series decoded from the tile.
-    pub decoded: ErrorStatistics,
-    pub bound: BoundStatistics,
 }

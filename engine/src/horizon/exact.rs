@@ -11,7 +11,7 @@
 //!
 //! Stretches for which no receiver of a group passes this test are left out, the others are halved, quartered and at last
 //! searched crossing by crossing. Coarser levels are bounded by the same maxima, receiver by receiver, and searched by the
-//! trace itself ([`beyond`]). Neither sampling nor interpolation takes part: what remains is the rounding of `f32`.
+//! trace itself ([`coarser_levels`]). Neither sampling nor interpolation takes part: what remains is the rounding of `f32`.
 //!
 //! # The certificate
 //! With `u = 2⁻²⁴`, heights that are differences of `f32` nodes, and `G` the steepest step between two nodes of the
@@ -22,23 +22,26 @@
 //! # Assumptions
 //! Levels finer than the searched one do not exist, as in the sweep. Tests hold the intervals to the trace.
 
-pub mod beyond;
+pub mod coarser_levels;
 pub mod maxima;
 pub mod stencil;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
-use super::sweep::Receivers;
+use super::axis::Major;
+use super::lanes::{LANES, lanes};
+use super::observer::ON_GROUND_M;
+use super::receivers::Receivers;
+use super::settings::Settings;
 use super::sweep::angle::Shape;
-use super::sweep::grid::{Grid, LANES, Major, NEVER_M};
+use super::sweep::grid::{HeightGrid, NEVER_M};
 use super::sweep::ray::Ray;
-use super::sweep::wide::wide;
-use super::trace::{ON_GROUND_M, Tracer};
+use super::trace::Tracer;
+use super::wide::wide;
 use crate::terrain::Face;
-use beyond::Beyond;
+use coarser_levels::CoarserLevels;
 use maxima::{Maxima, STEPS};
-use stencil::{Stencil, lanes};
+use stencil::Stencil;
 
 /// Nodes around the heights: a group of receivers reads past the sides until its last one has left.
 const PAD: usize = LANES + 8;
@@ -70,7 +73,7 @@ pub struct Exact<'a> {
     settings: Settings,
     major: Major,
     tracer: Tracer<'a>,
-    grids: Vec<Grid>,
+    grids: Vec<HeightGrid>,
     twists_m: Vec<f32>,
     /// The steepest step between neighbouring nodes, as a slope.
     steepest: f64,
@@ -82,7 +85,7 @@ pub struct Exact<'a> {
 impl<'a> Exact<'a> {
     /// Prepares one level of a face for the azimuths along `major`.
     pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Self {
-        let grids: Vec<_> = face.levels[level..].iter().map(|level| Grid::new(level, major, PAD, 0.0)).collect();
+        let grids: Vec<_> = face.levels[level..].iter().map(|level| HeightGrid::new(level, major, PAD, 0.0)).collect();
         let twists_m = grids[0].twists_m();
         let receivers = Receivers::new(face, &face.levels[level], major, 0.0, settings);
         let tracer = Tracer::without_finer(face, level, settings);
@@ -148,7 +151,7 @@ impl<'a> Exact<'a> {
         let scale = (1.0 / (ray.length * fine.posting_m)) as f32;
         plane.iter_mut().for_each(|slope| *slope *= scale);
         if self.grids.len() > 1 {
-            Beyond::new(self, ray, direction).raise(&mut plane);
+            CoarserLevels::new(self, ray, direction).raise(&mut plane);
         }
         plane
     }
@@ -269,7 +272,7 @@ impl Group<'_> {
 }
 
 /// Steps after which all receivers of a group have left the grid or the search.
-fn reach(grid: &Grid, ray: &Ray, u: usize, v: usize) -> usize {
+fn reach(grid: &HeightGrid, ray: &Ray, u: usize, v: usize) -> usize {
     let majors = if ray.sign > 0 { grid.majors - 1 - u } else { u };
     let columns = if ray.minor > 0.0 { grid.minors.saturating_sub(v) } else { v + LANES };
     let minors = if ray.minor == 0.0 { f64::INFINITY } else { columns as f64 / ray.minor.abs() };
@@ -278,7 +281,7 @@ fn reach(grid: &Grid, ray: &Ray, u: usize, v: usize) -> usize {
 }
 
 /// The steepest step between two neighbouring nodes, as a slope.
-fn steepest(grid: &Grid) -> f64 {
+fn steepest(grid: &HeightGrid) -> f64 {
     let mut step_m = 0.0_f32;
     for u in 0..grid.majors {
         for v in 0..grid.minors {

@@ -8,57 +8,34 @@
 //! # Assumptions
 //! A sampled azimuth that was not swept is interpolated between the two swept ones beside it.
 
+pub mod bit_allocation;
 pub mod equal;
 pub mod gain;
+pub mod group;
 pub mod quantiser;
 pub mod residual;
 pub mod sums;
 pub mod texels;
-pub mod water;
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::axis::Major;
 use super::bound::Bounds;
 use super::companding;
-use super::error::TileErrors;
-use super::pack::half::TEXEL_COEFFICIENTS;
+use super::elevation_plane::ElevationPlane;
+use super::pack::encoding::TEXEL_COEFFICIENTS;
 use super::pack::{Encoding, Family, HorizonMap, Texels, pack};
 use super::series::turned;
-use super::sweep::grid::Major;
-use super::sweep::wide::wide;
+use super::statistics::TileErrors;
+use super::wide::wide;
+use group::{Group, STRIP};
 use sums::Sums;
 
-/// Pixel rows that a task takes: the coarsest texel's.
-const STRIP: usize = 8;
 /// Sums that are in registers at a time.
 const STRETCH: usize = 64;
-
-/// Sums of one group of numbers, `[texel row][real][texel column]`.
-#[derive(Debug, Clone)]
-pub struct Group {
-    pub scale: usize,
-    /// The encoding's numbers `first` to before `first + reals`.
-    pub first: usize,
-    pub reals: usize,
-    pub rows: usize,
-    pub columns: usize,
-    pub sums: Sums,
-}
-
-impl Group {
-    /// Sums of the rows that a task takes.
-    pub fn strip(&self) -> usize {
-        self.reals * self.columns * STRIP / self.scale
-    }
-
-    /// One number of a row of texels.
-    pub fn row(&self, row: usize, real: usize) -> Cow<'_, [f32]> {
-        self.sums.at((row * self.reals + real) * self.columns, self.columns)
-    }
-}
 
 /// The numbers of all pixels while azimuths are added.
 #[derive(Debug, Clone)]
@@ -68,42 +45,6 @@ pub struct Accumulator {
     columns: usize,
     rows: usize,
     pub groups: Vec<Group>,
-}
-
-/// A plane of elevations, row by row with a stride.
-#[derive(Debug, Clone)]
-pub struct Plane {
-    /// Index of the azimuth.
-    pub azimuth: usize,
-    pub stride: usize,
-    pub elevations_rad: Vec<f32>,
-}
-
-impl Plane {
-    /// The elevation at a node of the map.
-    pub fn at(&self, major: Major, column: usize, row: usize) -> f32 {
-        self.elevations_rad[major.index(self.stride, [column, row])]
-    }
-
-    /// Some rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.
-    fn rows<'a>(
-        &'a self,
-        rows: Range<usize>,
-        columns: usize,
-        turned: bool,
-        buffer: &'a mut Vec<f32>,
-    ) -> (&'a [f32], usize) {
-        if !turned {
-            return (&self.elevations_rad[rows.start * self.stride..], self.stride);
-        }
-        buffer.resize(rows.len() * columns, 0.0);
-        for (column, along) in self.elevations_rad.chunks(self.stride).take(columns).enumerate() {
-            for (row, elevation_rad) in along[rows.clone()].iter().enumerate() {
-                buffer[row * columns + column] = *elevation_rad;
-            }
-        }
-        (buffer, columns)
-    }
 }
 
 impl Accumulator {
@@ -162,9 +103,9 @@ impl Accumulator {
     }
 
     /// Planes of what is fitted: elevations, compressed where the encoding does.
-    pub fn fitted<'a>(&self, planes: &'a [Plane]) -> Cow<'a, [Plane]> {
+    pub fn fitted<'a>(&self, planes: &'a [ElevationPlane]) -> Cow<'a, [ElevationPlane]> {
         let Some(growth) = self.encoding.growth() else { return Cow::Borrowed(planes) };
-        let compressed = |plane: &Plane| {
+        let compressed = |plane: &ElevationPlane| {
             let mut plane = plane.clone();
             companding::compress(growth as f32, &mut plane.elevations_rad);
             plane
@@ -173,7 +114,7 @@ impl Accumulator {
     }
 
     /// Adds planes in their order to sums in memory.
-    pub fn add(&mut self, planes: &[Plane], major: Major) {
+    pub fn add(&mut self, planes: &[ElevationPlane], major: Major) {
         let planes = &self.fitted(planes);
         for index in 0..self.groups.len() {
             // Taken out, so that the rest can be read meanwhile.
@@ -185,14 +126,14 @@ impl Accumulator {
     }
 
     /// Adds [`Self::fitted`] planes, which lie along one axis, in their order to the sums of some strips of a group.
-    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[Plane], major: Major) {
+    pub fn add_to(&self, index: usize, first_strip: usize, sums: &mut [f32], planes: &[ElevationPlane], major: Major) {
         if planes.is_empty() {
             return;
         }
         let (columns, rows) = (self.columns, self.rows);
         let group = &self.groups[index];
         let (scale, width, reals) = (group.scale, group.columns, group.reals);
-        let of_group = |plane: &Plane| {
+        let of_group = |plane: &ElevationPlane| {
             let mut all = weights(self.encoding, plane.azimuth, self.azimuths);
             all.drain(group.first..group.first + reals).collect()
         };
@@ -236,7 +177,7 @@ impl Accumulator {
             Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
             Family::Samples => (self.halves(pack), Vec::new()),
             Family::Fields if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
-            Family::Fields => water::pyramid(self.encoding, &self.groups),
+            Family::Fields => bit_allocation::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
         let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
@@ -332,11 +273,11 @@ mod tests {
     use crate::horizon::series::Series;
     use glam::DVec2;
 
-    fn planes(columns: usize, rows: usize, azimuths: usize) -> Vec<Plane> {
+    fn planes(columns: usize, rows: usize, azimuths: usize) -> Vec<ElevationPlane> {
         let plane = |azimuth: usize| {
             let a = std::f64::consts::TAU * azimuth as f64 / azimuths as f64;
             let h = |i: usize| (0.1 + 0.01 * (i % columns) as f64 * (a - 0.3).cos() + 0.02 * (7.0 * a).sin()) as f32;
-            Plane { azimuth, stride: columns, elevations_rad: (0..columns * rows).map(h).collect() }
+            ElevationPlane { azimuth, stride: columns, elevations_rad: (0..columns * rows).map(h).collect() }
         };
         (0..azimuths).map(plane).collect()
     }
@@ -363,11 +304,11 @@ mod tests {
     fn a_plane_along_the_columns_adds_what_the_same_one_along_the_rows_does() {
         let (columns, rows) = (19, 10);
         let along_rows = planes(columns, rows, 40);
-        let turned = |plane: &Plane| {
+        let turned = |plane: &ElevationPlane| {
             let elevations_rad = (0..columns * 16)
                 .map(|i| (i / 16, i % 16))
                 .map(|(column, row)| if row < rows { plane.elevations_rad[row * columns + column] } else { f32::NAN });
-            Plane { azimuth: plane.azimuth, stride: 16, elevations_rad: elevations_rad.collect() }
+            ElevationPlane { azimuth: plane.azimuth, stride: 16, elevations_rad: elevations_rad.collect() }
         };
         let along_columns: Vec<_> = along_rows.iter().map(turned).collect();
         for encoding in [Encoding::Fm16, Encoding::F16, Encoding::W16, Encoding::Raw12] {
@@ -382,7 +323,7 @@ mod tests {
     fn partial_boxes_average_the_pixels_they_have() {
         let mut sums = Accumulator::new(Encoding::Fm16, 9, 9, 40);
         let ramp = (0..81).map(|i| (i % 9) as f32).collect();
-        sums.add(&[Plane { azimuth: 0, stride: 9, elevations_rad: ramp }], Major::Row);
+        sums.add(&[ElevationPlane { azimuth: 0, stride: 9, elevations_rad: ramp }], Major::Row);
         // The last of two boxes of 8 holds column 8 alone; 2/40 is the weight of a cosine at azimuth 0.
         let group = &sums.groups[3];
         assert_eq!((group.columns, group.rows), (2, 2));

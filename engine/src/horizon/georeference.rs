@@ -10,7 +10,6 @@ use tiff::TiffResult;
 use tiff::encoder::{DirectoryEncoder, TiffKind};
 use tiff::tags::Tag;
 
-use super::store::Header;
 use crate::terrain::Gnomonic;
 
 /// Latitude and longitude of the centre of a map about the body's centre with north up; `None` for other maps.
@@ -25,13 +24,26 @@ pub fn proj4(radius_m: f64, [latitude_deg, longitude_deg]: [f64; 2]) -> String {
     format!("+proj=gnom +lat_0={latitude_deg} +lon_0={longitude_deg} +R={radius_m} +units=m +no_defs")
 }
 
-/// GeoTIFF tags of a page at full resolution; none where PROJ has no word for the map.
-pub fn write_tags<W: Write + Seek, K: TiffKind>(page: &mut DirectoryEncoder<W, K>, header: &Header) -> TiffResult<()> {
-    let map = &header.map;
-    let Some([latitude_deg, longitude_deg]) = map.centre_deg else { return Ok(()) };
-    let north_m = map.south_m + (header.rows - 1) as f64 * map.posting_m;
+/// A gnomonic map about the body's centre with north up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Georeference {
+    pub radius_m: f64,
+    /// Latitude and longitude of the map's centre.
+    pub centre_deg: [f64; 2],
+    pub posting_m: f64,
+    /// Map coordinates of the first node, top left.
+    pub west_m: f64,
+    pub north_m: f64,
+}
+
+/// GeoTIFF tags of a page at full resolution.
+pub fn write_tags<W: Write + Seek, K: TiffKind>(
+    page: &mut DirectoryEncoder<W, K>,
+    map: &Georeference,
+) -> TiffResult<()> {
+    let [latitude_deg, longitude_deg] = map.centre_deg;
     page.write_tag(Tag::ModelPixelScaleTag, &[map.posting_m, map.posting_m, 0.0][..])?;
-    page.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, map.west_m, north_m, 0.0][..])?;
+    page.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, map.west_m, map.north_m, 0.0][..])?;
     let doubles = [map.radius_m, map.radius_m, longitude_deg, latitude_deg, 0.0, 0.0];
     let citation = "gnomonic on a sphere|";
     let entry = |key: u16, value: u16| [key, 0, 1, value];

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! between the distances `a` and `b` at which the line enters and leaves it ([`super::exact`] has the same test for many nodes
-//! at once). In a cell the slope is the bilinear surface's own. `gpu.wgsl` is in `f32`; the believed twin is
+//! at once). In a cell the slope is the bilinear surface's own. `gpu.wgsl` is in `f32`; its reference is
 //! [`super::trace`], and `tests/reference/horizon/gpu.rs` holds the two together.
 //!
 //! # Assumptions
@@ -19,11 +19,12 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, IVec2, Vec2};
 
+use super::axis::Major;
 use super::error::Error;
+use super::observer::ON_GROUND_M;
+use super::receivers::Receivers;
 use super::settings::Settings;
-use super::sweep::Receivers;
-use super::sweep::grid::{Grid, Major};
-use super::trace::ON_GROUND_M;
+use super::sweep::grid::{HeightGrid, middle_m};
 use crate::gpu::{Adapter, Gpu, GpuError};
 use crate::terrain::Face;
 
@@ -87,8 +88,8 @@ impl OnDevice {
         let shader = concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"));
         let pipeline = gpu.compute("horizons", shader, "main", &[])?;
         let levels = &face.levels[level..];
-        let datum_m = super::sweep::middle_m(&levels[0]);
-        let grids: Vec<_> = levels.iter().map(|level| Grid::new(level, major, 0, datum_m)).collect();
+        let datum_m = middle_m(&levels[0]);
+        let grids: Vec<_> = levels.iter().map(|level| HeightGrid::new(level, major, 0, datum_m)).collect();
         let receivers = Receivers::new(face, &levels[0], major, datum_m, settings);
         let first_m = grids[0].origin_m + DVec2::splat(receivers.margin as f64 * grids[0].posting_m);
 
@@ -167,7 +168,7 @@ impl OnDevice {
 }
 
 /// Maxima of the nodes of blocks of 2, 4, 8 … cells, with their strides.
-fn maxima(grid: &Grid) -> Vec<(usize, Vec<f32>)> {
+fn maxima(grid: &HeightGrid) -> Vec<(usize, Vec<f32>)> {
     let (mut majors, mut minors) = (grid.majors - 1, grid.minors - 1);
     let mut mips: Vec<(usize, Vec<f32>)> = Vec::new();
     while mips.len() < MIPS && majors.max(minors) > 1 {

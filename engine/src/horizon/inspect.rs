@@ -2,15 +2,15 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::header::{Header, MapHeader};
 use super::pack::HorizonMap;
-use super::store::{Header, MapHeader};
 use super::trace::{Skyline, Tracer};
 use crate::geometry::{Body, Direction, Geodetic, Local, Position, Rotation};
 use crate::terrain::Gnomonic;
 
 /// A place on a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct TilePoint {
     /// Map coordinates, and nodes from the first seen one.
     pub at_m: DVec2,
     pub grid: DVec2,
@@ -18,7 +18,7 @@ pub struct Place {
     local: Rotation<crate::geometry::Map, Local>,
 }
 
-impl Place {
+impl TilePoint {
     /// A place by latitude and longitude; `None` outside the tile.
     pub fn on(header: &Header, latitude_deg: f64, longitude_east_deg: f64) -> Option<Self> {
         let map = gnomonic(&header.map);

@@ -3,12 +3,11 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::bound::BoundStatistics;
-use super::error::{ErrorStatistics, TileErrors};
-use super::fit::Plane;
+use super::axis::Major;
+use super::elevation_plane::ElevationPlane;
 use super::pack::HorizonMap;
 use super::settings::Settings;
-use super::sweep::grid::Major;
+use super::statistics::{BoundStatistics, ErrorStatistics, TileErrors};
 use super::trace::Tracer;
 use crate::terrain::{Face, Level, Pyramid};
 
@@ -29,8 +28,8 @@ impl Sample {
         // The additive recurrence of the plastic number fills a square evenly (Roberts 2018).
         let plastic = 1.324_717_957_244_746;
         let spread = |i: usize| {
-            let share = |step: f64, nodes: usize| ((0.5 + i as f64 * step).fract() * nodes as f64) as usize;
-            [share(1.0 / plastic, columns), share(1.0 / (plastic * plastic), rows)]
+            let spread_over = |step: f64, nodes: usize| ((0.5 + i as f64 * step).fract() * nodes as f64) as usize;
+            [spread_over(1.0 / plastic, columns), spread_over(1.0 / (plastic * plastic), rows)]
         };
         let known = |[column, row]: &[usize; 2]| !level.gap[level.index(column + level.margin, row + level.margin)];
         let pixels: Vec<_> = (0..count).map(spread).filter(known).collect();
@@ -38,7 +37,7 @@ impl Sample {
     }
 
     /// Keeps what a plane along `major` says about the sampled pixels.
-    pub fn keep(&mut self, plane: &Plane, major: Major) {
+    pub fn keep(&mut self, plane: &ElevationPlane, major: Major) {
         for (i, [column, row]) in self.pixels.iter().enumerate() {
             self.elevations_rad[i * self.azimuths + plane.azimuth] = plane.at(major, *column, *row);
         }

@@ -8,7 +8,7 @@
 //! it goes to planes. A build never fails for its budget: one plane is the least, and the fit of a pyramid of fields, whose
 //! coarse means are in memory, takes what it takes.
 
-use super::bound;
+use super::calibration;
 use super::fit::Accumulator;
 use super::pack::{Encoding, Family};
 use super::request::Request;
@@ -36,7 +36,7 @@ impl Default for Memory {
 
 /// What a budget allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Share {
+pub struct Allowance {
     pub sums_fit: bool,
     /// Azimuths that are swept before they are added.
     pub planes: usize,
@@ -62,7 +62,7 @@ impl Memory {
         Self(PROGRAM + self.0.saturating_sub(PROGRAM) / tiles)
     }
 
-    pub fn share(self, request: &Request) -> Share {
+    pub fn allowance(self, request: &Request) -> Allowance {
         let threads = rayon::current_num_threads();
         let nodes = request.nodes();
         let [columns, rows] = nodes.seen_size();
@@ -76,18 +76,18 @@ impl Memory {
         // A plane of a block, and its compressed copy if it has one.
         let swept = plane * if request.encoding.growth().is_some() { 2 } else { 1 };
         if sums + threads * swept <= left {
-            let probes = bound::probed(request.settings.azimuths).count() * plane;
+            let probes = calibration::probed(request.settings.azimuths).count() * plane;
             let probes_fit = probes <= PROBES.min(left - sums - threads * swept);
             let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.
             let most = if request.encoding.family() == Family::Fields { PLANES_EACH } else { 1 };
             let each = ((left - kept) / swept / threads).min(most);
-            return Share { sums_fit: true, planes: each * threads, probes_fit };
+            return Allowance { sums_fit: true, planes: each * threads, probes_fit };
         }
         // A whole number for each thread, so that none waits, if there is one.
         let planes = (left / swept).max(1);
         let planes = if planes > threads { planes / threads * threads } else { planes };
-        Share { sums_fit: false, planes, probes_fit: false }
+        Allowance { sums_fit: false, planes, probes_fit: false }
     }
 }
 

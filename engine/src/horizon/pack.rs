@@ -5,7 +5,7 @@
 //! | `fm4 … fm16` | 4 … 16 complex coefficients as half floats, four at each of the resolutions 1, 1/2, 1/4, 1/8 ([`half`]) | 16 … 21.25 | Fritsch et al. (2025) |
 //! | `f4 … f16` | the same at full resolution | 16 … 64 | Fritsch et al. (2025) |
 //! | `raw8 … raw16` | elevations at 8 … 16 azimuths as half floats ([`raw`]) | 16 … 32 | Max (1988) |
-//! | `w11, w16, w21` | up to 47 harmonics over those four resolutions in fields of bits ([`water`]) | 10.6, 15.9, 21.25 | this program |
+//! | `w11, w16, w21` | up to 47 harmonics over those four resolutions in fields of bits ([`bit_fields`]) | 10.6, 15.9, 21.25 | this program |
 //! | `q` | 19 harmonics over those four resolutions in fields of bits, equal steps: made for small files ([`super::fit::equal`]) | 42.5 | this program |
 //!
 //! A texel at a reduced resolution stands for its box of pixels, as far as the box lies in the map. Decoding is bilinear
@@ -14,7 +14,7 @@
 //! elevations that are expanded last.
 //!
 //! At the nodes `w21` errs by a third of what `fm16` does, in images by as much: there, interpolation between nodes errs. On
-//! the connecting ridge under a Sun of 1.5° (`sim bench shadows`), in shares of full Sun:
+//! the connecting ridge under a Sun of 1.5° (`sim bench shadows`), in fractions of full Sun:
 //!
 //! | | horizons at the nodes, RMS | light, RMS | 99 % within | RMS in the penumbra |
 //! |---|---|---|---|---|
@@ -30,32 +30,24 @@
 //! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, doi:10.2312/hpg.20251171.
 //! Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*, The Visual Computer 4, 109.
 
+pub mod bit_fields;
 pub mod encoding;
 pub mod half;
 pub mod raw;
-pub mod water;
+pub mod texels;
 
 use glam::DVec2;
 
+pub use bit_fields::BitField;
 pub use encoding::{Encoding, Family, Page};
 pub use half::{pack, unpack};
 pub use raw::Sampled;
-pub use water::Field;
+pub use texels::Texels;
 
 use super::bound::Bounds;
 use super::companding;
-use super::error::TileErrors;
 use super::series::Series;
-
-/// One resolution level of a horizon map, rows *up* the map like those of a [`crate::terrain::Level`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Texels {
-    pub columns: usize,
-    pub rows: usize,
-    pub words_per_texel: usize,
-    /// `[row][column][word]`.
-    pub words: Vec<u32>,
-}
+use super::statistics::TileErrors;
 
 /// The horizons of all seen nodes of a level.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +59,7 @@ pub struct HorizonMap {
     /// The encoding's pages.
     pub levels: Vec<Texels>,
     /// What the bits of fields mean, by page; empty for other encodings.
-    pub fields: Vec<Vec<Field>>,
+    pub fields: Vec<Vec<BitField>>,
     pub errors: TileErrors,
     pub bounds: Bounds,
 }
@@ -96,10 +88,10 @@ impl HorizonMap {
     /// The horizon at a grid point, counted in nodes from the first seen one; beyond the edges that of the edge.
     pub fn horizon(&self, grid: DVec2) -> Horizon {
         match self.encoding.family() {
-            Family::Halves => Horizon::Series(half::series(self, grid)),
-            Family::Samples => Horizon::Sampled(raw::sampled(self, grid)),
+            Family::Halves => Horizon::Series(half::series(self.encoding, &self.levels, grid)),
+            Family::Samples => Horizon::Sampled(raw::sampled(&self.levels[0], grid)),
             Family::Fields => {
-                let series = water::series(self, grid);
+                let series = bit_fields::series(self.encoding, &self.levels, &self.fields, grid);
                 match self.encoding.growth() {
                     None => Horizon::Series(series),
                     Some(growth) => Horizon::Companded(series, growth),
@@ -123,7 +115,7 @@ impl HorizonMap {
     pub fn has_fields(&self) -> bool {
         let pages = self.encoding.pages();
         let reals = 2 * (self.encoding.harmonics() + 1);
-        let fits = |page: &Page, fields: &Vec<Field>| fields.iter().all(|field| field.lies_in(page.words, reals));
+        let fits = |page: &Page, fields: &Vec<BitField>| fields.iter().all(|field| field.lies_in(page.words, reals));
         match self.encoding.family() {
             Family::Halves | Family::Samples => self.fields.is_empty(),
             Family::Fields => {
@@ -140,7 +132,7 @@ impl HorizonMap {
 
     /// Standard deviation of the skyline's error at a grid point, in radians; `None` where nothing is known.
     pub fn sigma_rad(&self, grid: DVec2) -> Option<f64> {
-        self.bound_rad(grid).map(|bound_rad| self.errors.bound.rms_share * bound_rad)
+        self.bound_rad(grid).map(|bound_rad| self.errors.bound.rms_fraction * bound_rad)
     }
 
     /// How far the skyline at a grid point may be off in any azimuth, in radians ([`super::bound`]); `None` where nothing
@@ -174,7 +166,7 @@ impl HorizonMap {
             buffer.extend(chunks.map(|words| std::array::from_fn(|i| words.get(i).copied().unwrap_or(0))));
         }
         let table = buffer.len() as u32;
-        buffer.extend(water::table(&self.fields));
+        buffer.extend(bit_fields::table(&self.fields));
         let [offset_0, offset_1, offset_2, offset_3] = offsets;
         HorizonGrid {
             columns: self.columns as u32,
@@ -185,47 +177,6 @@ impl HorizonMap {
             offset_2,
             offset_3,
         }
-    }
-}
-
-impl Texels {
-    /// A page for a map of so many pixels.
-    pub fn empty(columns: usize, rows: usize, page: Page) -> Self {
-        let (columns, rows) = (columns.div_ceil(page.scale), rows.div_ceil(page.scale));
-        Self { columns, rows, words_per_texel: page.words, words: vec![0; columns * rows * page.words] }
-    }
-
-    /// Words of one texel.
-    pub fn texel(&self, column: usize, row: usize) -> &[u32] {
-        let first = (row * self.columns + column) * self.words_per_texel;
-        &self.words[first..first + self.words_per_texel]
-    }
-
-    /// A pair of numbers, read from each of the four texels about a grid point and interpolated.
-    fn bilinear(&self, grid: DVec2, scale: usize, read: impl Fn(&[u32]) -> [f64; 2]) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for (column, row, share) in self.corners(grid, scale) {
-            let [a, b] = read(self.texel(column, row));
-            sum[0] += share * a;
-            sum[1] += share * b;
-        }
-        sum
-    }
-
-    /// Columns, rows and shares of the four texels about a grid point.
-    fn corners(&self, grid: DVec2, scale: usize) -> [(usize, usize, f64); 4] {
-        let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
-        let at = ((grid + 0.5) / scale as f64 - 0.5).clamp(DVec2::ZERO, last);
-        let low = at.floor();
-        let f = at - low;
-        let (column, row) = (low.x as usize, low.y as usize);
-        let (next_column, next_row) = ((column + 1).min(self.columns - 1), (row + 1).min(self.rows - 1));
-        [
-            (column, row, (1.0 - f.x) * (1.0 - f.y)),
-            (next_column, row, f.x * (1.0 - f.y)),
-            (column, next_row, (1.0 - f.x) * f.y),
-            (next_column, next_row, f.x * f.y),
-        ]
     }
 }
 
@@ -273,7 +224,7 @@ pub(super) mod tests {
         for word in levels.iter_mut().flat_map(|level| &mut level.words) {
             *word = if is_fields { next().to_bits().wrapping_mul(2_654_435_761) } else { pack([next(), next()]) };
         }
-        let field = |word: usize, index: usize, shift: u32, width: u32| Field {
+        let field = |word: usize, index: usize, shift: u32, width: u32| BitField {
             real: (7 * word + index) % (2 * (encoding.harmonics() + 1)),
             word,
             shift,

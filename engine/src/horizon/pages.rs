@@ -1,6 +1,6 @@
 //! A map's texels as pages of whole numbers.
 //!
-//! A page is one of the [`super::numbers`] of all texels of a level, less the least of them, as an image of 8- or 16-bit
+//! A page is one of the [`super::coefficients`] of all texels of a level, less the least of them, as an image of 8- or 16-bit
 //! unsigned numbers: neighbouring nodes see nearly the same skyline, so that the differences that TIFF's horizontal
 //! predictor leaves of half floats are small and deflate packs them. Fields are what coarser pages leave and are stored as
 //! they are.
@@ -21,9 +21,9 @@ use tiff::encoder::{TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use super::bound::Bounds;
-use super::error::TileErrors;
-use super::numbers::{Number, numbers};
-use super::pack::{Encoding, Family, Field, HorizonMap, Page as Layout, Texels};
+use super::coefficients::{Coefficient, coefficients};
+use super::pack::{BitField, Encoding, Family, HorizonMap, Page as Layout, Texels};
+use super::statistics::TileErrors;
 
 /// Rows of a page that a reader unpacks at once.
 const ROWS_PER_STRIP: u32 = 128;
@@ -33,7 +33,7 @@ const BOUND: &str = "bound";
 /// What a page holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PageHeader {
-    /// That of [`super::numbers::Name`], or `bound`.
+    /// That of [`super::coefficients::CoefficientName`], or `bound`.
     pub name: String,
     /// Nodes per texel side.
     pub scale: usize,
@@ -43,7 +43,7 @@ pub struct PageHeader {
     pub least: i32,
     /// What the numbers stand for, where they are fields.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field: Option<Field>,
+    pub field: Option<BitField>,
 }
 
 /// One plane of whole numbers, rows up the map.
@@ -59,7 +59,7 @@ impl Page {
         name: String,
         scale: usize,
         columns: usize,
-        field: Option<Field>,
+        field: Option<BitField>,
         numbers: impl Iterator<Item = i32> + Clone,
     ) -> Self {
         let least = numbers.clone().min().unwrap_or(0);
@@ -73,7 +73,7 @@ impl Page {
 
     /// GDAL's scale and offset of a page of fields.
     pub fn gdal_metadata(&self) -> Option<String> {
-        let Field { step_rad, offset_rad, bias, .. } = self.header.field?;
+        let BitField { step_rad, offset_rad, bias, .. } = self.header.field?;
         let scale = f64::from(step_rad);
         let offset = f64::from(offset_rad) + scale * (f64::from(bias) + f64::from(self.header.least));
         Some(format!(
@@ -130,26 +130,26 @@ pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> Tif
 
 /// The pages of a map in their order, made one by one: all of them take as much memory as the map.
 pub fn pages(map: &HorizonMap) -> impl Iterator<Item = Page> {
-    let page = |number: Number| {
+    let page = |number: Coefficient| {
         let level = &map.levels[number.level];
         let whole = level.words.chunks(level.words_per_texel).map(move |texel| number.get(texel));
         Page::of(number.name.to_string(), number.scale, level.columns, number.field(), whole)
     };
     let codes = map.bounds.codes.iter().map(|code| i32::from(*code));
     let bound = || std::iter::once_with(move || Page::of(BOUND.into(), 1, map.columns, None, codes));
-    numbers(map.encoding, &map.fields).into_iter().map(page).chain(bound())
+    coefficients(map.encoding, &map.fields).into_iter().map(page).chain(bound())
 }
 
 /// The map of pages; `None` where they are not those of an encoding and of so many nodes.
 pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, errors: TileErrors) -> Option<HorizonMap> {
-    let (bound, coefficients) = pages.split_last()?;
+    let (bound, stored) = pages.split_last()?;
     let codes: Option<Vec<u8>> = bound.numbers().map(|code| u8::try_from(code).ok()).collect();
     let codes = codes.filter(|codes| codes.len() == columns * rows && bound.header.name == BOUND)?;
     let layouts = encoding.pages();
     let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
     let fields_of = |layout: &Layout| {
-        let of_scale = coefficients.iter().filter(|page| page.header.scale == layout.scale);
-        of_scale.filter_map(|page| page.header.field).collect::<Vec<Field>>()
+        let of_scale = stored.iter().filter(|page| page.header.scale == layout.scale);
+        of_scale.filter_map(|page| page.header.field).collect::<Vec<BitField>>()
     };
     let fields = match encoding.family() {
         Family::Fields => layouts.iter().map(fields_of).collect(),
@@ -160,11 +160,11 @@ pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, erro
     if !map.has_fields() {
         return None;
     }
-    let numbers = numbers(encoding, &map.fields);
-    if numbers.len() != coefficients.len() {
+    let numbers = coefficients(encoding, &map.fields);
+    if numbers.len() != stored.len() {
         return None;
     }
-    for (number, page) in numbers.iter().zip(coefficients) {
+    for (number, page) in numbers.iter().zip(stored) {
         let level = &mut map.levels[number.level];
         let texels = level.words.chunks_mut(level.words_per_texel);
         if page.header.name != number.name.to_string() || page.values.len() != texels.len() {

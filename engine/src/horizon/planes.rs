@@ -20,12 +20,12 @@ use tiff::encoder::colortype::Gray16;
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 use tiff::tags::Tag;
 
+use super::axis::Major;
 use super::error::Error;
 use super::pack::Encoding;
 use super::request::Request;
 use super::settings::Settings;
 use super::sweep::Sweep;
-use super::sweep::grid::Major;
 use crate::files::NewFile;
 use crate::geometry::Body;
 use crate::terrain::Face;
@@ -69,7 +69,7 @@ impl<'a> Sweeps<'a> {
 
 /// Elevations of the skyline at all seen nodes of a level in one azimuth.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plane {
+pub struct StoredPlane {
     pub columns: usize,
     pub rows: usize,
     low_rad: f32,
@@ -78,7 +78,7 @@ pub struct Plane {
     values: Vec<u16>,
 }
 
-impl Plane {
+impl StoredPlane {
     pub fn new(columns: usize, elevations_rad: &[f32]) -> Self {
         let range = elevations_rad.iter().fold((f32::MAX, f32::MIN), |(low, high), e| (low.min(*e), high.max(*e)));
         let (low_rad, high_rad) = if range.0 <= range.1 { range } else { (0.0, 0.0) };
@@ -111,7 +111,17 @@ pub fn level_key(body: &Body, face: &Face, level: usize, settings: &Settings) ->
 
 /// The key of a plane.
 pub fn key(level_key: &str, azimuth_rad: f64) -> String {
-    crate::digest::sha256_hex(format!("{FORMAT} {level_key} {azimuth_rad:?}").as_bytes())
+    crate::digest::sha256_hex(format!("{FORMAT} {level_key} {}", shortest(azimuth_rad)).as_bytes())
+}
+
+/// The shortest decimal that reads back as a number: with a fraction always, with an exponent below 1e-4 and from 1e16 on.
+fn shortest(number: f64) -> String {
+    let size = number.abs();
+    match size {
+        _ if size != 0.0 && !(1e-4..1e16).contains(&size) => format!("{number:e}"),
+        _ if number.fract() == 0.0 => format!("{number}.0"),
+        _ => number.to_string(),
+    }
 }
 
 /// All that a decoder needs, as JSON in the file.
@@ -132,7 +142,7 @@ pub fn path_for(directory: &Path, key: &str) -> PathBuf {
 }
 
 /// Writes a plane under its final name once it is whole.
-pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Result<(), Error> {
+pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
     let path = path_for(directory, key);
     let header = Header {
@@ -161,7 +171,7 @@ pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &Plane) -> Re
 }
 
 /// Reads the plane of a key of a level with so many seen nodes.
-pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<Plane, Error> {
+pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<StoredPlane, Error> {
     let path = path_for(directory, key);
     let file = File::open(&path).map_err(|source| Error::read(&path, source))?;
     let decode = |source| Error::Decode { path: path.clone(), source };
@@ -182,9 +192,30 @@ pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<
     if digest(&values) != header.sha256 {
         return Err(Error::header(&path, "its values do not have the SHA-256 that it states"));
     }
-    Ok(Plane { columns, rows, low_rad: header.low_rad, unit_rad: header.unit_rad, values })
+    Ok(StoredPlane { columns, rows, low_rad: header.low_rad, unit_rad: header.unit_rad, values })
 }
 
 fn digest(values: &[u16]) -> String {
     crate::digest::sha256_hex(cast_slice(values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A key that changes leaves every plane out there to be made anew.
+    #[test]
+    fn keys_are_those_of_planes_that_were_kept() {
+        let cases = [
+            (0.0, "fbbd8889abcbf2cf5acf28ae9810b66bb14aca776b43b9102c4ac68bfc85418f"),
+            (1.5, "5630652457499c703148d1aef947e499b9a4dbc738810c23309ce7102ece1d97"),
+            (0.1, "737c0747e26da0b0e3d6ff78dac9cb6eec5aa72b456ee959eb8fa36a1f19f177"),
+            (1e-4, "4a308883e96ee29b41981082ccd9a41f0f7ba6ee6a93f96587cc0007b6916a11"),
+            (9.9e-5, "db576688f43ac69afac06a793bd45330d0b6d14a6831f0aecdf98b26195f4ed8"),
+            (2e16, "fe27cbc141b59b4a0e6860348f4519596136bf4874050cf37fa85880eab65a5b"),
+        ];
+        for (azimuth_rad, expected) in cases {
+            assert_eq!(key("0123abcd", azimuth_rad), expected, "{azimuth_rad}");
+        }
+    }
 }

@@ -3,7 +3,6 @@
 use super::error::Error;
 use super::pack::Encoding;
 use super::settings::Settings;
-use super::store::Key;
 use crate::geometry::Body;
 use crate::terrain::{Face, Level};
 
@@ -12,7 +11,7 @@ use crate::terrain::{Face, Level};
 pub struct Request<'a> {
     pub body: &'a Body,
     pub face: &'a Face,
-    /// Index of the level that gets horizons; finer ones have no share in them.
+    /// Index of the level that gets horizons; finer ones take no part in them.
     pub level: usize,
     pub settings: Settings,
     pub encoding: Encoding,
@@ -22,11 +21,6 @@ impl<'a> Request<'a> {
     /// The level that gets horizons.
     pub fn nodes(&self) -> &'a Level {
         &self.face.levels[self.level]
-    }
-
-    /// What identifies the tile.
-    pub fn key(&self) -> Key {
-        Key::of(self)
     }
 
     /// Whether horizons can be made as asked for.

@@ -5,9 +5,26 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::band::Band;
-use super::method::Method;
+use super::band::ElevationBand;
 use crate::terrain::Gnomonic;
+
+/// How the skyline of each node is looked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// The fast one, with errors at few samples ([`super::sweep`]).
+    #[default]
+    Sweep,
+    /// Right to the rounding of `f32` ([`super::exact`]).
+    Exact,
+    /// As right, on a graphics device ([`super::gpu`]).
+    Gpu,
+}
+
+impl Method {
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
 
 /// How horizons are searched. All of it shapes the result and is part of a tile's key.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,7 +42,7 @@ pub struct Settings {
     pub method: Method,
     /// The elevations that matter: horizons beyond them are moved to their ends before they are compressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub band: Option<Band>,
+    pub band: Option<ElevationBand>,
 }
 
 impl Default for Settings {

@@ -12,216 +12,21 @@ use std::fs::{self, File};
 use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 
-use bytemuck::cast_slice;
-use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use tiff::decoder::{Decoder, Limits};
 use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
 use tiff::tags::Tag;
 
-use super::band::Band;
-use super::error::{Error, TileErrors};
-use super::fit::water;
+use super::error::Error;
 use super::georeference;
-use super::method::Method;
-use super::pack::{Encoding, Family, HorizonMap, encoding};
-use super::pages::{self, GDAL_METADATA, Page, PageHeader};
-use super::request::Request;
-use super::settings::Settings;
-use super::sweep;
+use super::header::{FORMAT, Header};
+use super::key::{FORMAT_VERSION, Key};
+use super::pack::HorizonMap;
+use super::pages::{self, GDAL_METADATA, Page};
 use crate::files::NewFile;
-use crate::terrain::{Face, Level};
-
-/// Changes whenever a file of the same inputs would hold other bytes.
-pub const FORMAT_VERSION: u32 = 4;
-
-const FORMAT: &str = "perilune horizon tile";
-
-/// What identifies a tile.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Key(String);
-
-impl Key {
-    /// The key of the horizons asked for.
-    pub fn of(request: &Request) -> Self {
-        let Request { body, face, level, settings, encoding } = *request;
-        let mut hash = Sha256::new();
-        hash.update(FORMAT_VERSION.to_le_bytes());
-        hash.update(&body.name);
-        hash.update(cast_slice::<f64, u8>(&[body.equatorial_radius_m, body.polar_radius_m]));
-        let map = &face.map;
-        let numbers =
-            [map.origin.vector_m().to_array(), [map.radius_m, settings.observer_height_m, settings.search_limit_m()]];
-        hash.update(cast_slice::<f64, u8>(numbers.as_flattened()));
-        hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
-        hash.update((settings.azimuths as u64).to_le_bytes());
-        hash.update(encoding.name());
-        if encoding.family() == Family::Fields {
-            hash.update([water::REVISION]);
-        }
-        match settings.method {
-            Method::Sweep => hash.update([sweep::REVISION]),
-            other => hash.update(format!("{other:?}")),
-        }
-        if let Some(Band { towards, reach_rad }) = settings.band {
-            hash.update(b"band");
-            hash.update(cast_slice::<f64, u8>(&[towards[0], towards[1], towards[2], reach_rad]));
-        }
-        for level in &face.levels[level..] {
-            hash.update(level_hash(level));
-        }
-        Self(crate::digest::hex(&hash.finalize()))
-    }
-
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-}
-
-fn level_hash(level: &Level) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    let sizes = [level.columns as u64, level.rows as u64, level.margin as u64];
-    hash.update(cast_slice::<u64, u8>(&sizes));
-    hash.update(cast_slice::<f64, u8>(&[level.posting_m, level.west_m, level.south_m]));
-    hash.update(cast_slice::<f32, u8>(&level.heights_m));
-    hash.update(level.gap.iter().map(|gap| u8::from(*gap)).collect::<Vec<_>>());
-    hash.finalize().into()
-}
-
-/// All that a decoder needs, as JSON in the file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Header {
-    pub format: String,
-    pub format_version: u32,
-    pub generator: String,
-    pub key: Key,
-    #[serde(with = "encoding::by_name")]
-    pub encoding: Encoding,
-    /// `h(A) = Re Σ Xₖ e^{ikA}`: one-sided, radians.
-    pub series: String,
-    /// κ of [`super::companding`], where the series is of compressed elevations.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub growth: Option<f64>,
-    pub azimuth: String,
-    pub elevation: String,
-    pub pixel: String,
-    pub body: BodyHeader,
-    /// Nodes of the grid.
-    pub columns: usize,
-    pub rows: usize,
-    pub settings: Settings,
-    pub map: MapHeader,
-    /// The swept level, then the coarser ones that only occlude.
-    pub inputs: Vec<InputHeader>,
-    pub errors: TileErrors,
-    /// In the order of the file; filled in by [`write()`].
-    pub pages: Vec<PageHeader>,
-}
-
-/// The spheroid that latitudes refer to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BodyHeader {
-    pub name: String,
-    pub equatorial_radius_m: f64,
-    pub polar_radius_m: f64,
-}
-
-/// The gnomonic map of a tile.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MapHeader {
-    pub projection: String,
-    pub radius_m: f64,
-    /// Centre of projection, body-fixed.
-    pub origin_m: [f64; 3],
-    /// Body-fixed axes: right and up on the map, and outward.
-    pub right: [f64; 3],
-    pub up: [f64; 3],
-    pub outward: [f64; 3],
-    pub posting_m: f64,
-    /// Map coordinates of the first seen node, bottom left.
-    pub west_m: f64,
-    pub south_m: f64,
-    /// Latitude and longitude of the map's centre, and the map for PROJ; absent where it is no map about the body's
-    /// centre with north up.
-    pub centre_deg: Option<[f64; 2]>,
-    pub proj4: Option<String>,
-}
-
-/// One level of heights.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct InputHeader {
-    pub columns: usize,
-    pub rows: usize,
-    pub posting_m: f64,
-    pub margin: usize,
-    pub sha256: String,
-}
-
-impl Header {
-    pub fn new(request: &Request, map: &HorizonMap) -> Self {
-        let Request { body, face, level, settings, .. } = *request;
-        let input = |level: &Level| InputHeader {
-            columns: level.columns,
-            rows: level.rows,
-            posting_m: level.posting_m,
-            margin: level.margin,
-            sha256: crate::digest::hex(&level_hash(level)),
-        };
-        Self {
-            format: FORMAT.into(),
-            format_version: FORMAT_VERSION,
-            generator: format!("perilune {}", env!("CARGO_PKG_VERSION")),
-            key: request.key(),
-            encoding: map.encoding,
-            series: "h(A) = sum over pages of weight * value; weight: re k, a k: cos kA; im k: -sin kA; b k: sin kA; h i of n: \
-                     max(0, 1 - |A n/2pi - i|); with a growth the skyline is h + growth * h^3"
-                .into(),
-            growth: map.encoding.growth(),
-            azimuth: "map azimuth, clockwise from map up (+Y) towards map right (+X)".into(),
-            elevation: "above the plane perpendicular to the vector from the centre of projection".into(),
-            pixel: "pixel centres are grid nodes; a texel of scale s is the mean of its s x s nodes, counted from the bottom left".into(),
-            body: BodyHeader {
-                name: body.name.clone(),
-                equatorial_radius_m: body.equatorial_radius_m,
-                polar_radius_m: body.polar_radius_m,
-            },
-            columns: map.columns,
-            rows: map.rows,
-            settings,
-            map: MapHeader::new(face, level),
-            inputs: face.levels[level..].iter().map(input).collect(),
-            errors: map.errors,
-            pages: Vec::new(),
-        }
-    }
-}
-
-impl MapHeader {
-    fn new(face: &Face, level: usize) -> Self {
-        let (map, level) = (&face.map, &face.levels[level]);
-        let axes = map.map_from_body.matrix();
-        let centre_deg = georeference::centre_deg(map);
-        let corner_m = level.node_m(level.margin, level.margin);
-        Self {
-            projection: "gnomonic: X = R x/z, Y = R y/z, with x, y, z along right, up, outward from the origin".into(),
-            radius_m: map.radius_m,
-            origin_m: map.origin.vector_m().to_array(),
-            right: axes.row(0).to_array(),
-            up: axes.row(1).to_array(),
-            outward: axes.row(2).to_array(),
-            posting_m: level.posting_m,
-            west_m: corner_m.x,
-            south_m: corner_m.y,
-            centre_deg,
-            proj4: centre_deg.map(|centre_deg| georeference::proj4(map.radius_m, centre_deg)),
-        }
-    }
-}
 
 /// Where the tile of a key lies in a directory.
 pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
-    directory.join(format!("horizon_{}.tif", &key.0[..16]))
+    directory.join(format!("horizon_{}.tif", &key.as_str()[..16]))
 }
 
 /// Writes a tile under its final name once it is whole.
@@ -258,7 +63,10 @@ fn encode(file: &mut BufWriter<NewFile>, header: &Header, map: &HorizonMap) -> t
             }
             // The pictures that people look at: the mean, or the first sample, and the bound.
             let is_shown = page.header.scale == 1 && (index == 0 || index + 1 == header.pages.len());
-            if is_shown { georeference::write_tags(tags, &header) } else { Ok(()) }
+            match header.map.georeference(header.rows) {
+                Some(map) if is_shown => georeference::write_tags(tags, &map),
+                _ => Ok(()),
+            }
         })?;
     }
     Ok(())
@@ -310,7 +118,7 @@ pub fn read_of(directory: &Path, key: &Key) -> Result<HorizonMap, Error> {
     let path = path_for(directory, key);
     let (header, map) = read(&path)?;
     if header.key != *key {
-        return Err(Error::OtherKey { path, got: header.key.0, expected: key.0.clone() });
+        return Err(Error::OtherKey { path, got: header.key.as_str().into(), expected: key.as_str().into() });
     }
     Ok(map)
 }

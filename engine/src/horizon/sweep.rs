@@ -3,11 +3,11 @@
 //! In the lifted map an azimuth is a family of parallel straight lines, so that a skyline is a tangent of slope `s`
 //! from a receiver to the surface along its line. For one azimuth:
 //!
-//! 1. [`near`]: every crossing of the first [`NEAR`] steps and the middle of every cell passed, many receivers at once,
+//! 1. [`near`]: every crossing of the first [`near::NEAR`] steps and the middle of every cell passed, many receivers at once,
 //!    and where a cell may hide a hump that matters, the hump;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where interpolation
 //!    between two lines may err by more than 0.01° the receiver's own line about both touching points, exactly ([`profile`]);
-//! 3. [`beyond`]: tangents to the hulls of coarser levels;
+//! 3. [`coarser_levels`]: tangents to the hulls of coarser levels;
 //! 4. [`angle`]: the steepest slope, or the bare sphere's, as an elevation above the local horizontal.
 //!
 //! The axis along which a line advances by whole nodes is the *major* one (`u`), the other the *minor* one (`v`).
@@ -30,7 +30,8 @@
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
 pub mod angle;
-pub mod beyond;
+pub mod coarser_levels;
+
 #[allow(clippy::needless_range_loop, reason = "several arrays are indexed alike")]
 pub mod far;
 pub mod grid;
@@ -41,81 +42,30 @@ pub mod line;
 pub mod near;
 pub mod profile;
 pub mod ray;
-pub mod wide;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
-use super::trace::{Tracer, raised};
+use super::axis::Major;
+use super::lanes::{LANES, larger, largest};
+use super::receivers::Receivers;
+use super::settings::Settings;
+use super::trace::Tracer;
+use super::wide::{Registers, prefetch, widest};
 use crate::terrain::{Face, Level};
 use angle::Shape;
-use beyond::Beyond;
-use far::{BLOCK, Block, Far, Seats};
-use grid::{Grid, LANES, Major};
-use line::Placed;
-use near::{Site, Stencil, larger, largest};
+use coarser_levels::CoarserHulls;
+use far::{BLOCK, Block, Far, RowReceivers};
+use grid::{HeightGrid, middle_m};
+use line::PlacedGrid;
+use near::{NEAR, Site, Stencil};
 use profile::Profile;
 use ray::Ray;
-use wide::{Registers, prefetch, widest};
 
 /// Changes with the last digits of what is found: a tile that was kept is not taken for what would be made today.
 pub const REVISION: u8 = 2;
 
-/// Major steps of the exact near field.
-pub const NEAR: usize = 16;
 /// Near slopes that may be this much too low are searched again: 0.01°.
 const HUMP: f32 = 2e-4;
-
-/// The nodes that get horizons, `[major][minor]`, rows padded to whole lanes.
-#[derive(Debug)]
-pub struct Receivers {
-    pub majors: usize,
-    pub minors: usize,
-    pub stride: usize,
-    pub margin: usize,
-    /// Lifted heights of the observers above the datum.
-    pub observers_m: Vec<f32>,
-}
-
-impl Receivers {
-    pub(super) fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
-        let [columns, rows] = level.seen_size();
-        let (majors, minors) = match major {
-            Major::Row => (rows, columns),
-            Major::Column => (columns, rows),
-        };
-        let stride = minors.next_multiple_of(LANES);
-        let mut observers_m = vec![0.0; majors * stride];
-        for u in 0..majors {
-            for v in 0..minors {
-                let observer = raised(&face.map, major.foot(level, u, v), settings.observer_height_m);
-                observers_m[u * stride + v] = (observer.z - datum_m) as f32;
-            }
-        }
-        Self { majors, minors, stride, margin: level.margin, observers_m }
-    }
-
-    /// Where a plane along `major` has a node of the seen part, (column, row).
-    pub fn index(&self, major: Major, node: [usize; 2]) -> usize {
-        major.index(self.stride, node)
-    }
-
-    /// The row of receivers at a major index of the level.
-    fn row(&self, u: isize) -> Option<usize> {
-        let row = u - self.margin as isize;
-        (0..self.majors as isize).contains(&row).then_some(row as usize)
-    }
-
-    /// Observers of a row from minor index `first` on; anything where there is none.
-    #[inline(always)]
-    fn lanes_m(&self, row: usize, first: isize) -> [f32; LANES] {
-        let start = (row * self.stride) as isize + first;
-        match self.observers_m.get(start as usize..(start + LANES as isize) as usize) {
-            Some(lanes_m) if start >= 0 => *lanes_m.first_chunk().expect("LANES"),
-            _ => std::array::from_fn(|i| *self.observers_m.get((start + i as isize) as usize).unwrap_or(&0.0)),
-        }
-    }
-}
 
 /// All that the azimuths along one major axis share.
 #[derive(Debug)]
@@ -125,7 +75,7 @@ pub struct Sweep<'a> {
     settings: Settings,
     major: Major,
     datum_m: f64,
-    grids: Vec<Grid>,
+    grids: Vec<HeightGrid>,
     twists_m: Vec<f32>,
     pub receivers: Receivers,
 }
@@ -137,8 +87,8 @@ impl<'a> Sweep<'a> {
         let datum_m = middle_m(&levels[0]);
         let widened = levels.get(1).map(|coarser| widened(&levels[0], coarser, NEAR + 2));
         let fine = widened.as_ref().unwrap_or(&levels[0]);
-        let coarser = levels[1..].iter().map(|level| Grid::new(level, major, 1, datum_m));
-        let grids: Vec<_> = std::iter::once(Grid::new(fine, major, NEAR + 2, datum_m)).chain(coarser).collect();
+        let coarser = levels[1..].iter().map(|level| HeightGrid::new(level, major, 1, datum_m));
+        let grids: Vec<_> = std::iter::once(HeightGrid::new(fine, major, NEAR + 2, datum_m)).chain(coarser).collect();
         let twists_m = grids[0].twists_m();
         let receivers = Receivers::new(face, fine, major, datum_m, settings);
         Self { face, level, settings: *settings, major, datum_m, grids, twists_m, receivers }
@@ -150,7 +100,7 @@ impl<'a> Sweep<'a> {
         let ray = Ray::new(direction, self.major, self.grids[0].posting_m, self.settings.search_limit_m());
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
-        let levels = self.grids.iter().map(|grid| Placed::new(grid, &ray, pivot_m)).collect();
+        let levels = self.grids.iter().map(|grid| PlacedGrid::new(grid, &ray, pivot_m)).collect();
         let far = Far { ray: &ray, receivers: &self.receivers, levels, profile: Profile::new(fine, &ray) };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
         let stencil = Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0);
@@ -158,7 +108,7 @@ impl<'a> Sweep<'a> {
             #[inline(always)]
             |registers| {
                 self.slopes(registers, &far, &stencil, &mut plane);
-                self.add_beyond(registers, &far, &mut plane);
+                self.add_coarser_levels(registers, &far, &mut plane);
             },
         );
         // Slopes were taken in metres per step along the major axis.
@@ -198,7 +148,7 @@ impl<'a> Sweep<'a> {
         let scale = (1.0 / fine.posting_m) as f32;
         let ahead = along + NEAR as isize + 1;
         let row = far.row(block.start, along);
-        let Some((u, taken)) = far.seated(&row) else {
+        let Some((u, taken)) = far.taken_receivers(&row) else {
             far.advance(registers, ahead, block);
             return;
         };
@@ -213,15 +163,15 @@ impl<'a> Sweep<'a> {
             prefetch(&self.twists_m, next_at.wrapping_add_signed(lane));
             prefetch(&fine.heights_m, next_at.wrapping_add_signed(lane));
         }
-        let seats = Seats { row, taken, observers_m: &observers_m };
-        let asked = far.ask(registers, ahead, block, &seats);
+        let receivers = RowReceivers { row, taken, observers_m: &observers_m };
+        let query = far.ask(registers, ahead, block, &receivers);
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
         let [mut slopes, perhaps] = site.slopes(stencil);
         for slope in &mut slopes {
             *slope *= scale;
         }
-        far.answer(block, &seats, &asked, &mut slopes);
+        far.answer(block, &receivers, &query, &mut slopes);
         let mut missed = [0.0; LANES];
         for k in 0..LANES {
             missed[k] = perhaps[k] * scale - slopes[k];
@@ -232,7 +182,7 @@ impl<'a> Sweep<'a> {
                 slopes[k] = larger(slopes[k], exact[k] * scale);
             }
         }
-        let Seats { taken, .. } = seats;
+        let RowReceivers { taken, .. } = receivers;
         let seen = &mut plane[(u * r.stride).wrapping_add_signed(first + taken.start as isize)..][..taken.len()];
         if taken.len() == BLOCK {
             // A length that the compiler knows.
@@ -244,9 +194,9 @@ impl<'a> Sweep<'a> {
 
     /// Raises far slopes to those of coarser levels.
     #[inline(always)]
-    fn add_beyond(&self, registers: Registers, far: &Far, slopes: &mut [f32]) {
+    fn add_coarser_levels(&self, registers: Registers, far: &Far, slopes: &mut [f32]) {
         let (fine, r) = (&self.grids[0], &self.receivers);
-        for beyond in (1..far.levels.len()).map(|level| Beyond::new(registers, far, level)) {
+        for hulls in (1..far.levels.len()).map(|level| CoarserHulls::new(registers, far, level)) {
             for u in 0..r.majors {
                 let x_m =
                     (far.ray.sign * ((u + r.margin) as isize - (fine.majors / 2) as isize)) as f64 * fine.posting_m;
@@ -254,7 +204,7 @@ impl<'a> Sweep<'a> {
                     let i = u * r.stride + start;
                     let observers_m: &[f32; LANES] = r.observers_m[i..i + LANES].try_into().expect("LANES");
                     let y_m = (start + r.margin) as f64 * fine.posting_m;
-                    let found = beyond.slopes(registers, x_m, y_m, fine.posting_m, observers_m);
+                    let found = hulls.slopes(registers, x_m, y_m, fine.posting_m, observers_m);
                     for (slope, found) in slopes[i..i + LANES].iter_mut().zip(found) {
                         // NaN stays: it asks for a trace.
                         *slope = if found > *slope || found.is_nan() { found } else { *slope };
@@ -318,11 +268,4 @@ fn widened(level: &Level, coarser: &Level, nodes: usize) -> Level {
         }
     }
     wide
-}
-
-/// The middle of a level's heights: `f32` heights above it keep more digits.
-pub(super) fn middle_m(level: &Level) -> f64 {
-    let valid = level.heights_m.iter().zip(&level.gap).filter(|(_, gap)| !**gap).map(|(height_m, _)| *height_m);
-    let (low, high) = valid.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
-    if low > high { 0.0 } else { f64::from(0.5 * (low + high)) }
 }

@@ -20,12 +20,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
-use super::Settings;
+use super::observer::{ON_GROUND_M, raised};
+use super::settings::Settings;
 use super::sphere::skyline_beyond;
 use crate::terrain::{Face, Gnomonic, Level, Pyramid};
-
-/// Below this height above the surface an observer stands on it and his own facet is part of his skyline.
-pub(super) const ON_GROUND_M: f64 = 1e-3;
 
 /// Mip of the blocks that are passed over at once: 32 × 32 cells.
 const BLOCK_MIP: usize = 5;
@@ -149,15 +147,6 @@ impl<'a> Tracer<'a> {
         view.walk(&self.levels[level], ends_m[0], ends_m[1], self.settings.search_limit_m());
         view.slope
     }
-}
-
-/// The lifted point `height_m` above another one along the vertical.
-pub(super) fn raised(map: &Gnomonic, foot: DVec3, height_m: f64) -> DVec3 {
-    if height_m == 0.0 {
-        return foot;
-    }
-    let at_m = foot.truncate();
-    at_m.extend(map.lifted_height_m(at_m, map.radius_from_lifted_m(foot) + height_m))
 }
 
 /// Where the ray `at + t d`, `t ≥ 0`, runs inside a level.
@@ -320,12 +309,12 @@ impl Cell {
         Self { heights_m: level.corners_m(column, row), gaps, offset, rate }
     }
 
-    /// `None` where a gap has a share in the height.
+    /// `None` where a gap takes part in the height.
     fn height_m(&self, t_m: f64) -> Option<f64> {
         let f = (self.offset + self.rate * t_m).clamp(DVec2::ZERO, DVec2::ONE);
-        let shares = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
-        let touched = self.gaps.iter().zip(shares).any(|(gap, share)| *gap && share > 1e-6);
-        (!touched).then(|| self.heights_m.iter().zip(shares).map(|(height_m, share)| height_m * share).sum())
+        let weights = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
+        let touched = self.gaps.iter().zip(weights).any(|(gap, weight)| *gap && weight > 1e-6);
+        (!touched).then(|| self.heights_m.iter().zip(weights).map(|(height_m, weight)| height_m * weight).sum())
     }
 
     /// `c₀, c₁, c₂` of the surface along the line.

@@ -26,10 +26,10 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::horizon::build::MEASURED_PIXELS;
+use crate::horizon::header::Header;
 use crate::horizon::measure::Sample;
-use crate::horizon::store::Header;
 use crate::horizon::trace::Tracer;
-use crate::horizon::{BoundStatistics, ErrorStatistics, HorizonMap, TileErrors, bound};
+use crate::horizon::{ErrorStatistics, HorizonMap, TileErrors, calibration};
 use crate::terrain::Face;
 
 /// The header keeps four digits; a rounding apart counts as the same.
@@ -84,7 +84,7 @@ impl Verification {
     /// Drawn pixels that may lie beyond their bounds.
     pub fn allowed_beyond(&self) -> usize {
         let (measured, drawn) = (self.repeated_pixels as f64, self.drawn_pixels as f64);
-        let share = bound::share_beyond(self.repeated_pixels);
+        let share = calibration::fraction_beyond(self.repeated_pixels);
         let variance = drawn * share * (1.0 - share) * (1.0 + drawn / (measured + 1.0));
         (drawn * share + DEVIATIONS * variance.sqrt()) as usize
     }
@@ -121,8 +121,8 @@ pub fn verify(face: &Face, level: usize, header: &Header, map: &HorizonMap, pixe
         drawn_pixels: drawn.len(),
         seed,
         deviations: deviations(&mean_squares(&repeated_rad), &mean_squares(&drawn_rad)),
-        repeated_beyond: BoundStatistics::beyond(&map.bounds, &own, &repeated_rad),
-        drawn_beyond: BoundStatistics::beyond(&map.bounds, &drawn, &drawn_rad),
+        repeated_beyond: map.bounds.exceeded(&own, &repeated_rad),
+        drawn_beyond: map.bounds.exceeded(&drawn, &drawn_rad),
         stated: header.errors,
     }
 }

@@ -9,7 +9,7 @@ use super::lit::DiscShare;
 use super::series::Totals;
 use super::skylines::Skylines;
 use super::track::Seen;
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 use crate::terrain::{Gnomonic, Level};
 
 /// What all blocks share; directions in map axes.

@@ -14,10 +14,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blocks::{Blocks, LANES};
-use crate::horizon::fit::Plane;
-use crate::horizon::method::Search;
+use crate::horizon::axis::Major;
+use crate::horizon::elevation_plane::ElevationPlane;
+use crate::horizon::search::Search;
 use crate::horizon::settings::direction;
-use crate::horizon::sweep::grid::Major;
 use crate::horizon::{Error, HorizonMap, Settings};
 use crate::terrain::Face;
 
@@ -69,9 +69,9 @@ impl Swept {
             for azimuths in along.chunks(rayon::current_num_threads()) {
                 let plane = |&azimuth: &usize| {
                     let elevations_rad = search.elevations_rad(settings.direction(azimuth))?;
-                    Ok(Plane { azimuth, stride: search.receivers().stride, elevations_rad })
+                    Ok(ElevationPlane { azimuth, stride: search.receivers().stride, elevations_rad })
                 };
-                let planes = azimuths.par_iter().map(plane).collect::<Result<Vec<Plane>, Error>>()?;
+                let planes = azimuths.par_iter().map(plane).collect::<Result<Vec<ElevationPlane>, Error>>()?;
                 swept.keep(&blocks, &planes, major);
                 done += azimuths.len();
                 progress(done, swept.azimuths);
@@ -80,7 +80,7 @@ impl Swept {
         Ok(swept)
     }
 
-    fn keep(&mut self, blocks: &Blocks, planes: &[Plane], major: Major) {
+    fn keep(&mut self, blocks: &Blocks, planes: &[ElevationPlane], major: Major) {
         let of_block = |(samples, &block): (&mut [i16], &usize)| {
             for plane in planes {
                 let lanes = &mut samples[plane.azimuth * LANES..(plane.azimuth + 1) * LANES];

@@ -37,7 +37,7 @@
 //! depends on the scenario alone, on all of its exposures: neither the cache nor the adapter nor `--frames` has a share in
 //! it, so that the same scenario gives the same bytes whatever was run before.
 
-use crate::horizon::{Encoding, bound};
+use crate::horizon::{Encoding, calibration};
 use crate::scenario::{Ambient, Scenario, Shadows, Sky};
 use crate::shadow::HeldLight;
 use crate::shadow::swath::MOST_PLANES;
@@ -149,7 +149,7 @@ impl Facts {
 
     fn choice(&self) -> Choice {
         let Self { error, maps_error, spanned, swept, images, .. } = *self;
-        let maps = if self.maps_are_made { 0 } else { self.azimuths + self.azimuths.min(bound::AZIMUTHS) };
+        let maps = if self.maps_are_made { 0 } else { self.azimuths + self.azimuths.min(calibration::AZIMUTHS) };
         let azimuth_step_deg = AZIMUTH_STEP_DEG;
         let a_light = |cost: f64| cost * self.lights as f64;
         let methods = [

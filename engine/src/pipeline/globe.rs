@@ -36,7 +36,7 @@ pub use selection::Selection;
 
 use super::{Error, Progress};
 use crate::geometry::Body;
-use crate::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings, store};
+use crate::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings, header, store};
 use crate::raster::{self, Values};
 use crate::terrain::quadtree::{QuadTree, TileId};
 use crate::terrain::{GlobalDem, build_tile};
@@ -123,7 +123,7 @@ impl Globe {
     }
 
     /// The tile from its file; `None` where there is none, or a damaged one.
-    pub fn read(&self, tile: TileId) -> Option<(store::Header, HorizonMap)> {
+    pub fn read(&self, tile: TileId) -> Option<(header::Header, HorizonMap)> {
         store::read(&self.path(tile)).ok()
     }
 

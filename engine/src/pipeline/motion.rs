@@ -10,7 +10,7 @@ use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{Almanac, BodyFrame, Source, utc_text};
 use crate::geometry::{BodyFixed, Geodetic, Position};
-use crate::horizon::Band;
+use crate::horizon::ElevationBand;
 use crate::render::View;
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
 use crate::terrain::Surface;
@@ -173,11 +173,11 @@ fn nearest(poses: &[(f64, Pose)], offset_s: f64) -> Pose {
 
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
 /// None under earthshine, ambient or bounced light: those come from elsewhere.
-pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<Band> {
+pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<ElevationBand> {
     let suns: Vec<_> = exposures.iter().map(|e| (e.sun.direction, e.sun.angular_radius_rad)).collect();
     let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none() && scenario.bounce.is_none();
     let wanted = scenario.horizon.band && sun_only;
-    if wanted { Band::about(&suns) } else { None }
+    if wanted { ElevationBand::about(&suns) } else { None }
 }
 
 fn check_clearance(surface: &Surface, index: usize, epoch: Epoch, position: Position<BodyFixed>) -> Result<(), Error> {

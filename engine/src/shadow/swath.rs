@@ -27,7 +27,7 @@ use rayon::prelude::*;
 
 use super::fan::{Fan, Sight};
 use super::skylines::{Feet, Field, HeldLight, OutsideSwath, Towards};
-use crate::horizon::planes::{self, Plane, Sweeps};
+use crate::horizon::planes::{self, StoredPlane, Sweeps};
 use crate::horizon::{Error, Settings};
 use crate::terrain::{Surface, Terrain};
 
@@ -44,7 +44,7 @@ pub struct Swath {
 #[derive(Debug)]
 struct Strip {
     fan: Fan,
-    planes: Vec<Plane>,
+    planes: Vec<StoredPlane>,
 }
 
 /// The azimuths of a swath before anything is swept.
@@ -117,12 +117,12 @@ impl Strip {
         let level_key = planes::level_key(&terrain.body, face, level, settings);
         let key = |plane: usize| planes::key(&level_key, fan.azimuth_rad(plane));
         let known = |plane: usize| planes::read(directory, &key(plane), [feet.columns, feet.rows]).ok();
-        let mut found: Vec<Option<Plane>> = (0..fan.planes).into_par_iter().map(known).collect();
+        let mut found: Vec<Option<StoredPlane>> = (0..fan.planes).into_par_iter().map(known).collect();
         let missing: Vec<usize> = (0..fan.planes).filter(|plane| found[*plane].is_none()).collect();
         let directions: Vec<_> = missing.iter().map(|plane| fan.direction(*plane)).collect();
         let sweeps = Sweeps::new(face, level, settings, &directions);
         let make = |&plane: &usize| {
-            let made = Plane::new(feet.columns, &sweeps.elevations_rad(fan.direction(plane)));
+            let made = StoredPlane::new(feet.columns, &sweeps.elevations_rad(fan.direction(plane)));
             planes::write(directory, &key(plane), fan.azimuth_rad(plane), &made)?;
             Ok::<_, Error>((plane, made))
         };
@@ -137,15 +137,15 @@ impl Strip {
 impl Swath {
     /// Bytes of all planes.
     pub fn bytes(&self) -> usize {
-        self.planes().map(Plane::bytes).sum()
+        self.planes().map(StoredPlane::bytes).sum()
     }
 
     /// Most that rounding has moved an elevation by.
     pub fn rounding_rad(&self) -> f32 {
-        self.planes().map(Plane::rounding_rad).fold(0.0, f32::max)
+        self.planes().map(StoredPlane::rounding_rad).fold(0.0, f32::max)
     }
 
-    fn planes(&self) -> impl Iterator<Item = &Plane> {
+    fn planes(&self) -> impl Iterator<Item = &StoredPlane> {
         self.strips.iter().flatten().flatten().flat_map(|strip| &strip.planes)
     }
 }

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use perilune_engine::ephemeris::{Almanac, default_kernel_folder};
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::Request;
-use perilune_engine::horizon::store::Header;
+use perilune_engine::horizon::header::Header;
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::{self, Ground};
 use perilune_engine::raster;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use perilune_engine::files;
 use perilune_engine::geometry::Geodetic;
-use perilune_engine::horizon::inspect::Place;
+use perilune_engine::horizon::inspect::TilePoint;
 use perilune_engine::horizon::store;
 use perilune_engine::horizon::trace::Tracer;
 use serde_json::json;
@@ -66,7 +66,7 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 pub fn run(args: Args) -> Outcome {
     let (header, map) = store::read(&args.tile)?;
     let [latitude_deg, longitude_deg] = [args.at.latitude_rad, args.at.longitude_east_rad].map(f64::to_degrees);
-    let place = Place::on(&header, latitude_deg, longitude_deg)
+    let place = TilePoint::on(&header, latitude_deg, longitude_deg)
         .ok_or_else(|| format!("--at {} lies outside {}", degrees(args.at), args.tile.display()))?;
     let ground = match args.dems[..] {
         [] => None,

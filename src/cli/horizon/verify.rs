@@ -4,7 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use perilune_engine::geometry::Geodetic;
-use perilune_engine::horizon::store::{self, Header};
+use perilune_engine::horizon::header::Header;
+use perilune_engine::horizon::store;
 use perilune_engine::horizon::verify::{Verification, verify};
 use perilune_engine::pipeline::Progress;
 use serde_json::json;

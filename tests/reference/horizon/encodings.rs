@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use half::f16;
-use perilune_engine::horizon::fit::{Accumulator, Plane};
+use perilune_engine::horizon::axis::Major;
+use perilune_engine::horizon::elevation_plane::ElevationPlane;
+use perilune_engine::horizon::fit::Accumulator;
 use perilune_engine::horizon::pack::Family;
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::horizon::{Encoding, HorizonMap};
 
 const SIDE: usize = 32;
@@ -21,11 +22,11 @@ fn elevation_rad(column: usize, row: usize, azimuth: usize) -> f64 {
     hill + cliff
 }
 
-fn planes() -> Vec<Plane> {
+fn planes() -> Vec<ElevationPlane> {
     let plane = |azimuth: usize| {
         let nodes = 0..SIDE * SIDE;
         let elevations_rad = nodes.map(|node| elevation_rad(node % SIDE, node / SIDE, azimuth) as f32).collect();
-        Plane { azimuth, stride: SIDE, elevations_rad }
+        ElevationPlane { azimuth, stride: SIDE, elevations_rad }
     };
     (0..AZIMUTHS).map(plane).collect()
 }

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use glam::DVec2;
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::exact::{Exact, Interval};
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{ErrorStatistics, Settings};
 use perilune_engine::terrain::Face;

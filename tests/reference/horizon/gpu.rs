@@ -1,7 +1,7 @@
 //! The search on a graphics device against the trace.
 
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::gpu::OnDevice;
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{ErrorStatistics, Settings};
 use perilune_engine::terrain::Face;

@@ -4,8 +4,8 @@ use glam::DVec2;
 use perilune_bench::scenes::Scene;
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::Settings;
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::sweep::Sweep;
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::terrain::{Face, Gnomonic, Level};
 
 use crate::fixtures::data_folder;

@@ -6,11 +6,13 @@ use std::sync::{LazyLock, Mutex};
 use glam::DVec3;
 use perilune_engine::geometry::{Body, Direction};
 use perilune_engine::horizon::build::Builder;
-use perilune_engine::horizon::inspect::Place;
+use perilune_engine::horizon::inspect::TilePoint;
 use perilune_engine::horizon::store;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::verify::verify;
-use perilune_engine::horizon::{Band, Encoding, Error, Memory, Request, Settings, build, build_at, open_or_build};
+use perilune_engine::horizon::{
+    ElevationBand, Encoding, Error, Memory, Request, Settings, build, build_at, open_or_build,
+};
 use perilune_engine::terrain::Face;
 
 use super::scene::cratered;
@@ -52,9 +54,9 @@ fn a_tile_read_back_is_the_tile_that_was_built() {
 }
 
 /// About a light as high as that over the pole.
-fn band(elevation_rad: f64) -> Band {
+fn band(elevation_rad: f64) -> ElevationBand {
     let (sin, cos) = elevation_rad.sin_cos();
-    Band::about(&[(Direction::new(DVec3::new(cos, 0.0, -sin)).unwrap(), 0.004_65)]).unwrap()
+    ElevationBand::about(&[(Direction::new(DVec3::new(cos, 0.0, -sin)).unwrap(), 0.004_65)]).unwrap()
 }
 
 /// In craters the skyline stands above the band, on their rims below it: none of that needs coefficients any more.
@@ -222,7 +224,7 @@ fn memory_does_not_change_a_byte() {
             assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1, "nothing but the tile is left behind");
             fs::read(path).unwrap()
         };
-        assert!(!Memory::mib(0).share(&request).sums_fit && Memory::default().share(&request).sums_fit);
+        assert!(!Memory::mib(0).allowance(&request).sums_fit && Memory::default().allowance(&request).sums_fit);
         assert!(bytes(Memory::mib(0)) == bytes(Memory::default()));
     }
 }
@@ -281,10 +283,10 @@ fn a_place_is_found_by_latitude_and_longitude() {
     build(&Request { encoding: Encoding::F16, ..request(&face) }, directory.path(), &|_, _| ()).unwrap();
     let path = store::path_for(directory.path(), &Request { encoding: Encoding::F16, ..request(&face) }.key());
     let (header, map) = store::read(&path).unwrap();
-    assert!(Place::on(&header, -80.0, 0.0).is_none());
+    assert!(TilePoint::on(&header, -80.0, 0.0).is_none());
     // 600 m from the pole towards 90° east, which the map about longitude 0 has on its right.
     let latitude_deg = -90.0 + (600.0 / body.equatorial_radius_m).to_degrees();
-    let place = Place::on(&header, latitude_deg, 90.0).unwrap();
+    let place = TilePoint::on(&header, latitude_deg, 90.0).unwrap();
     assert!((place.at_m - glam::DVec2::new(600.0, 0.0)).length() < 1e-3, "{place:?}");
     // North, away from the pole, is right on the map there; east of it, 90° clockwise, is down.
     assert!((place.direction(&header, 0.0) - glam::DVec2::X).length() < 1e-6);

@@ -7,12 +7,14 @@ use super::super::tiles::Scratch;
 use super::{AZIMUTHS, SUNS};
 use crate::scenes::Scene;
 use crate::{Error, Value};
+use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::bound::{self, Bounds};
 use perilune_engine::horizon::decode::Decoder;
-use perilune_engine::horizon::fit::{Accumulator, Plane};
-use perilune_engine::horizon::store::{self, Header};
+use perilune_engine::horizon::elevation_plane::ElevationPlane;
+use perilune_engine::horizon::fit::Accumulator;
+use perilune_engine::horizon::header::Header;
+use perilune_engine::horizon::store;
 use perilune_engine::horizon::sweep::Sweep;
-use perilune_engine::horizon::sweep::grid::Major;
 use perilune_engine::horizon::{Encoding, HorizonMap, Request, Settings};
 use perilune_engine::report::statistics::Errors;
 
@@ -29,7 +31,7 @@ pub struct Patch {
     pub columns: usize,
     pub rows: usize,
     /// In the order of their azimuths.
-    pub planes: Vec<Plane>,
+    pub planes: Vec<ElevationPlane>,
 }
 
 impl Patch {
@@ -48,7 +50,7 @@ impl Patch {
                     Major::Column => node % columns * stride + node / columns,
                 };
                 let elevations_rad = (0..columns * rows).map(|node| swept_rad[at(node)]).collect();
-                Plane { azimuth, stride: columns, elevations_rad }
+                ElevationPlane { azimuth, stride: columns, elevations_rad }
             };
             planes.extend(along.collect::<Vec<_>>().into_par_iter().map(plane).collect::<Vec<_>>());
         }
@@ -69,7 +71,7 @@ impl Patch {
     pub fn fitted(&self, encoding: Encoding, relevant: impl Fn(f32) -> f32 + Sync) -> Accumulator {
         let mut sums = Accumulator::new(encoding, self.columns, self.rows, self.planes.len());
         for planes in self.planes.chunks(16) {
-            let clamped = |plane: &Plane| Plane {
+            let clamped = |plane: &ElevationPlane| ElevationPlane {
                 elevations_rad: plane.elevations_rad.iter().map(|elevation_rad| relevant(*elevation_rad)).collect(),
                 ..*plane
             };

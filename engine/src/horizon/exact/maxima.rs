@@ -11,9 +11,9 @@
 //! Every line has its own entry at every step, so that a group of receivers reads its bounds with one load. They are a
 //! strip a few nodes wide, where a quad-tree's block is as wide as it is long.
 
-use crate::horizon::sweep::grid::Grid;
+use crate::horizon::sweep::grid::HeightGrid;
 use crate::horizon::sweep::ray::Ray;
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 
 /// Lengths of the stretches, in major steps.
 pub const STEPS: [usize; 4] = [1, 8, 32, 128];
@@ -25,7 +25,7 @@ pub struct Maxima {
 }
 
 impl Maxima {
-    pub fn new(grid: &Grid, twists_m: &[f32], ray: &Ray) -> Self {
+    pub fn new(grid: &HeightGrid, twists_m: &[f32], ray: &Ray) -> Self {
         let nodes = wide(
             #[inline(always)]
             || of_nodes(grid, twists_m, ray),
@@ -41,7 +41,7 @@ impl Maxima {
 
 /// `M₁` of all rows.
 #[inline(always)]
-fn of_nodes(grid: &Grid, twists_m: &[f32], ray: &Ray) -> Vec<f32> {
+fn of_nodes(grid: &HeightGrid, twists_m: &[f32], ray: &Ray) -> Vec<f32> {
     // A parabola bulges by a quarter of its curvature over a run of at most a step.
     let bulge = (0.25001 * ray.minor.abs()) as f32;
     let mut maxima_m = grid.heights_m.clone();
@@ -68,7 +68,7 @@ fn of_nodes(grid: &Grid, twists_m: &[f32], ray: &Ray) -> Vec<f32> {
 }
 
 /// Maxima of stretches `count` times as long as those of `shorter`, which are `step` long.
-fn longer(grid: &Grid, ray: &Ray, shorter: &[f32], step: usize, count: usize) -> Vec<f32> {
+fn longer(grid: &HeightGrid, ray: &Ray, shorter: &[f32], step: usize, count: usize) -> Vec<f32> {
     wide(
         #[inline(always)]
         || longer_plain(grid, ray, shorter, step, count),
@@ -76,7 +76,7 @@ fn longer(grid: &Grid, ray: &Ray, shorter: &[f32], step: usize, count: usize) ->
 }
 
 #[inline(always)]
-fn longer_plain(grid: &Grid, ray: &Ray, shorter: &[f32], step: usize, count: usize) -> Vec<f32> {
+fn longer_plain(grid: &HeightGrid, ray: &Ray, shorter: &[f32], step: usize, count: usize) -> Vec<f32> {
     let mut maxima_m = shorter.to_vec();
     let row = |u: isize| grid.at(0, 0) as isize - grid.pad as isize + u * grid.stride as isize;
     for u in 0..grid.majors as isize {

@@ -16,7 +16,8 @@
 //! if that lies within the run. In the receiver's own cell the slope's limit at distance 0 is the facet's, `b`.
 //! Rises are differences of nodes before they are weighted: what rounds is the rise, not the height.
 
-use crate::horizon::sweep::grid::{Grid, LANES, NEVER_M};
+use crate::horizon::lanes::{LANES, lanes, larger};
+use crate::horizon::sweep::grid::{HeightGrid, NEVER_M};
 use crate::horizon::sweep::ray::Ray;
 
 /// Shares of a node below this are none: it must not count as a gap's neighbour by rounding. As in the trace.
@@ -25,9 +26,9 @@ const NO_SHARE: f64 = 1e-6;
 /// A crossing of a grid line, with the cell passed on the way to it. Distances are in major steps.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    /// Offsets of the two nodes beside it, and the shares of both.
+    /// Offsets of the two nodes beside it, and the weights of both.
     nodes: [isize; 2],
-    shares: [f32; 2],
+    weights: [f32; 2],
     inverse: f32,
     /// Offset of the cell before it.
     cell: isize,
@@ -56,7 +57,7 @@ pub struct Stencil {
 
 impl Stencil {
     /// Crossings up to the grid's length.
-    pub fn new(grid: &Grid, ray: &Ray, on_ground: bool) -> Self {
+    pub fn new(grid: &HeightGrid, ray: &Ray, on_ground: bool) -> Self {
         let (mut crossings, mut beyond, mut rows) = (Vec::new(), vec![0], Vec::new());
         let mut enter = 0.0;
         for n in 0..grid.majors {
@@ -122,20 +123,20 @@ impl Stencil {
 }
 
 impl Crossing {
-    fn new(grid: &Grid, ray: &Ray, enter: f64, leave: f64) -> Self {
+    fn new(grid: &HeightGrid, ray: &Ray, enter: f64, leave: f64) -> Self {
         let node = |u: f64, v: f64| u as isize * grid.stride as isize + v as isize;
         let (u, v) = (ray.sign as f64 * leave, ray.minor * leave);
-        let (nodes, share) = if leave.fract() == 0.0 {
-            let (low, share) = snapped(v);
-            ([node(u, low), node(u, low + 1.0)], share)
+        let (nodes, weight) = if leave.fract() == 0.0 {
+            let (low, weight) = snapped(v);
+            ([node(u, low), node(u, low + 1.0)], weight)
         } else {
-            let (low, share) = snapped(u);
-            ([node(low, v.round()), node(low + 1.0, v.round())], share)
+            let (low, weight) = snapped(u);
+            ([node(low, v.round()), node(low + 1.0, v.round())], weight)
         };
         let (middle, run) = (0.5 * (enter + leave), leave - enter);
         Self {
             nodes,
-            shares: [(1.0 - share) as f32, share as f32],
+            weights: [(1.0 - weight) as f32, weight as f32],
             inverse: (1.0 / leave) as f32,
             cell: node((ray.sign as f64 * middle).floor(), (ray.minor * middle).floor()),
             enter: enter as f32,
@@ -153,7 +154,7 @@ impl Crossing {
         let (a, b) = (lanes(heights_m, at, self.nodes[0]), lanes(heights_m, at, self.nodes[1]));
         for lane in 0..LANES {
             let (rise_a, rise_b) = (a[lane] - observers_m[lane], b[lane] - observers_m[lane]);
-            rises_m[lane] = self.shares[0] * rise_a + self.shares[1] * rise_b;
+            rises_m[lane] = self.weights[0] * rise_a + self.weights[1] * rise_b;
         }
     }
 
@@ -180,7 +181,7 @@ impl Crossing {
     }
 }
 
-/// The whole number below and the share of the next one.
+/// The whole number below and the weight of the next one.
 fn snapped(value: f64) -> (f64, f64) {
     let nearest = value.round();
     if (value - nearest).abs() < NO_SHARE { (nearest, 0.0) } else { (value.floor(), value - value.floor()) }
@@ -191,16 +192,4 @@ fn column_between(minor: f64, from: f64, to: f64) -> Option<f64> {
     let (low, high) = ((minor * from).min(minor * to), (minor * from).max(minor * to));
     let column = (high - NO_SHARE).floor();
     (column > low + NO_SHARE).then(|| column / minor)
-}
-
-#[inline(always)]
-pub fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
-    let start = at.wrapping_add_signed(offset);
-    array[start..start + LANES].first_chunk().expect("a slice of LANES")
-}
-
-/// The larger of two numbers, the first where one of them is NaN; one instruction.
-#[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
 }

@@ -26,21 +26,21 @@ use std::f32::consts::SQRT_2;
 
 use rayon::prelude::*;
 
-use super::Group;
+use super::bit_allocation::place;
+use super::group::Group;
 use super::residual::{Means, Residual, box_means};
 use super::texels::{Choice, quantise};
-use super::water::place;
-use crate::horizon::pack::{Encoding, Field, Texels};
+use crate::horizon::pack::{BitField, Encoding, Texels};
 
 /// Of all coefficients but the mean on the finest page: 0.11°. Skylines err about as those of `fm16`.
 const STEP_RAD: f32 = 1.9e-3;
-/// Values are moved towards 0 by up to this share of a step before they are rounded: 6 % fewer bytes at 1 to 3 % more error.
+/// Values are moved towards 0 by up to this fraction of a step before they are rounded: 6 % fewer bytes at 1 to 3 % more error.
 const DEAD: f32 = 0.1;
-/// Steps of coarser pages, as a share.
+/// Steps of coarser pages, in steps of the finest.
 const COARSE_STEP: f32 = 0.5;
 
 /// Texels and fields of the pyramid for coefficients at full resolution.
-pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>>) {
+pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<BitField>>) {
     let reals: usize = sums.iter().map(|group| group.reals).sum();
     let (mut levels, mut all_fields, mut coarser) = (Vec::new(), Vec::new(), Vec::<Group>::new());
     for (index, page) in encoding.pages().into_iter().enumerate().rev() {
@@ -76,7 +76,7 @@ fn range(residual: &Residual, real: usize) -> [f32; 2] {
 }
 
 /// Fields of as many bits as codes about the middle of the range need, if they fit into a texel.
-fn fields(ranges: &[[f32; 2]], step_rad: f32, words: usize) -> Option<Vec<Field>> {
+fn fields(ranges: &[[f32; 2]], step_rad: f32, words: usize) -> Option<Vec<BitField>> {
     let step_of = |real: usize| if real == 0 { step_rad / SQRT_2 } else { step_rad };
     let codes = |real: usize| ranges[real].map(|value| (value / step_of(real)).round());
     let middle = |real: usize| (codes(real).iter().sum::<f32>() / 2.0).ceil();
@@ -95,7 +95,7 @@ fn fields(ranges: &[[f32; 2]], step_rad: f32, words: usize) -> Option<Vec<Field>
     let field = |(real, &(word, shift)): (usize, &(usize, u32))| {
         let (width, step_rad) = (widths[real] as u32, step_of(real));
         let offset_rad = step_rad * middle(real);
-        (width > 0).then_some(Field { real, word, shift, width, step_rad, offset_rad, bias: 0.0 })
+        (width > 0).then_some(BitField { real, word, shift, width, step_rad, offset_rad, bias: 0.0 })
     };
     Some(places.iter().enumerate().filter_map(field).collect())
 }
@@ -106,8 +106,8 @@ mod tests {
     use super::*;
     use crate::horizon::HorizonMap;
     use crate::horizon::bound::Bounds;
-    use crate::horizon::error::TileErrors;
     use crate::horizon::pack::Horizon;
+    use crate::horizon::statistics::TileErrors;
     use glam::DVec2;
 
     /// Coefficients of falling size, one of them constant, one 0.

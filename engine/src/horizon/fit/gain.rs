@@ -7,11 +7,11 @@
 //! Gersho & Gray (1992), *Vector Quantization and Signal Compression*, chapter 12: shape-gain quantisation.
 
 use super::quantiser::error_rad;
-use crate::horizon::pack::Field;
-use crate::horizon::pack::water::{GAINS, gain};
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::pack::BitField;
+use crate::horizon::pack::bit_fields::{GAINS, gain};
+use crate::horizon::wide::wide;
 
-/// The share of texels that have no more energy than the largest gain is for.
+/// The fraction of texels that have no more energy than the largest gain is for.
 const LARGEST: f64 = 0.998;
 
 /// Gains to begin with: by the weighted sums of the squares of what texels hold, `[coefficient][texel]`.
@@ -32,7 +32,7 @@ pub fn by_energy(values_rad: &[Vec<f32>], weights: &[f64]) -> Vec<f32> {
 }
 
 /// For each texel the gain with which fields lose the least, by weighted squares; `values_rad` are `[field][texel]`.
-pub fn best(fields: &[Field], weights: &[f64], values_rad: &[impl AsRef<[f32]>], texels: usize) -> Vec<u32> {
+pub fn best(fields: &[BitField], weights: &[f64], values_rad: &[impl AsRef<[f32]>], texels: usize) -> Vec<u32> {
     let mut losses = vec![vec![0.0_f32; texels]; GAINS];
     for (field, values_rad) in fields.iter().zip(values_rad) {
         let weight = weights[field.real] as f32;
@@ -49,7 +49,7 @@ pub fn best(fields: &[Field], weights: &[f64], values_rad: &[impl AsRef<[f32]>],
 }
 
 #[inline(always)]
-fn add_losses(field: &Field, step_rad: f32, weight: f32, values_rad: &[f32], losses: &mut [f32]) {
+fn add_losses(field: &BitField, step_rad: f32, weight: f32, values_rad: &[f32], losses: &mut [f32]) {
     let quantiser = [step_rad, 1.0 / step_rad, field.bias, (1_u32 << field.width) as f32];
     for (loss, value_rad) in losses.iter_mut().zip(values_rad) {
         let error_rad = error_rad(value_rad - field.offset_rad, quantiser);
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn the_best_gain_is_the_least_that_reaches_the_value() {
-        let field = Field { real: 0, word: 0, shift: 2, width: 3, step_rad: 0.1, offset_rad: 0.0, bias: 0.5 };
+        let field = BitField { real: 0, word: 0, shift: 2, width: 3, step_rad: 0.1, offset_rad: 0.0, bias: 0.5 };
         // Three bits reach from -0.35 to 0.35.
         let values_rad = vec![vec![0.35, 0.7, 1.4, 2.8, 0.05]];
         assert_eq!(best(&[field], &[1.0], &values_rad, 5), [0, 1, 2, 3, 0]);

@@ -1,10 +1,10 @@
 //! The best uniform quantiser of each number of bits.
 
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 
 /// Most bits of a field.
 pub const MAX_WIDTH: usize = 9;
-/// Steps tried: so many, over so many octaves up from the smallest, which is this share of the deviation over the number of
+/// Steps tried: so many, over so many octaves up from the smallest, which is this fraction of the deviation over the number of
 /// codes.
 const STEPS: usize = 18;
 const SMALLEST_STEP: f32 = 1.2;

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::Group;
+use super::group::Group;
 use super::sums::Sums;
 
 /// Means of all coefficients at one page's resolution, in groups of as many each.
@@ -81,19 +81,19 @@ impl Residual<'_> {
         residual.copy_from_slice(&row_of(self.means, row, real));
         let scale = self.means[0].scale;
         for page in self.coarser {
-            let (low, high, share) = corner(row, scale, page.scale, page.rows);
+            let (low, high, fraction) = corner(row, scale, page.scale, page.rows);
             let (south, north) = (page.row(low, real), page.row(high, real));
             for (column, residual) in residual.iter_mut().enumerate() {
                 let (west, east, x) = corner(column, scale, page.scale, page.columns);
                 let south = south[west] + x * (south[east] - south[west]);
                 let north = north[west] + x * (north[east] - north[west]);
-                *residual -= south + share * (north - south);
+                *residual -= south + fraction * (north - south);
             }
         }
     }
 }
 
-/// The two texels of a coarser page about the centre of texel `index`, and the share of the second.
+/// The two texels of a coarser page about the centre of texel `index`, and the weight of the second.
 pub fn corner(index: usize, scale: usize, coarse: usize, count: usize) -> (usize, usize, f32) {
     let at = ((index as f32 + 0.5) * scale as f32 / coarse as f32 - 0.5).clamp(0.0, (count - 1) as f32);
     let low = at.floor();

@@ -2,25 +2,26 @@
 
 use rayon::prelude::*;
 
+use super::gain;
+use super::group::Group;
 use super::residual::Residual;
 use super::sums::Sums;
-use super::{Group, gain};
-use crate::horizon::pack::water::{gain as factor, put_gain};
-use crate::horizon::pack::{Field, Page, Texels};
+use crate::horizon::pack::bit_fields::{gain as factor, put_gain};
+use crate::horizon::pack::{BitField, Page, Texels};
 
 /// What is chosen texel by texel.
 #[derive(Debug, Clone, Copy)]
 pub enum Choice<'a> {
     /// The gain that loses the least, errors of the coefficients weighed.
     Gain(&'a [f64]),
-    /// Nothing; values are moved towards 0 by a share of a step at most.
+    /// Nothing; values are moved towards 0 by a fraction of a step at most.
     Dead(f32),
 }
 
 /// The texels of a page, and what they decode to if finer pages need it.
 pub fn quantise(
     residual: &Residual,
-    fields: &[Field],
+    fields: &[BitField],
     page: Page,
     choice: Choice,
     decode: bool,
@@ -37,9 +38,9 @@ pub fn quantise(
                 words.chunks_mut(page.words).zip(&best).for_each(|(texel, code)| put_gain(texel, *code));
                 best.into_iter().map(factor).collect()
             }
-            Choice::Dead(share) => {
+            Choice::Dead(fraction) => {
                 for (field, line) in fields.iter().zip(&mut lines) {
-                    let dead_rad = share * field.step_rad;
+                    let dead_rad = fraction * field.step_rad;
                     line.iter_mut().for_each(|value| *value -= value.clamp(-dead_rad, dead_rad));
                 }
                 vec![1.0; columns]

@@ -64,7 +64,7 @@ pub enum Family {
     Halves,
     /// Sampled elevations as half floats ([`super::raw`]).
     Samples,
-    /// Fields of bits ([`super::water`]).
+    /// Fields of bits ([`super::bit_fields`]).
     Fields,
 }
 
@@ -77,6 +77,10 @@ pub struct Page {
     pub words: usize,
 }
 
+/// Complex coefficients in a texel of half floats.
+pub const TEXEL_COEFFICIENTS: usize = 4;
+/// Bits of a texel's gain, the lowest of its first word.
+pub const GAIN_BITS: u32 = 2;
 /// Highest harmonic of the water-filled pyramids, and of equal steps.
 const WATER_HARMONICS: usize = 47;
 const EQUAL_HARMONICS: usize = 19;
@@ -168,7 +172,7 @@ impl Encoding {
     /// Harmonics above the mean, 0 for samples.
     pub fn harmonics(self) -> usize {
         match self.family() {
-            Family::Halves => self.pages().len() * super::half::TEXEL_COEFFICIENTS - 1,
+            Family::Halves => self.pages().len() * TEXEL_COEFFICIENTS - 1,
             Family::Samples => 0,
             Family::Fields if self == Self::Q => EQUAL_HARMONICS,
             Family::Fields => WATER_HARMONICS,
@@ -177,7 +181,7 @@ impl Encoding {
 
     /// Bits of a texel's gain.
     pub fn gain_bits(self) -> u32 {
-        if self.is_water_filled() { super::water::GAIN_BITS } else { 0 }
+        if self.is_water_filled() { GAIN_BITS } else { 0 }
     }
 
     /// κ of [`crate::horizon::companding`]; `None` where the series is of elevations themselves.
@@ -215,7 +219,7 @@ impl Encoding {
         let decoder = match self.family() {
             Family::Halves => include_str!("half.wgsl"),
             Family::Samples => concat!(include_str!("raw.wgsl"), include_str!("profile.wgsl")),
-            Family::Fields => concat!(include_str!("water.wgsl"), include_str!("profile.wgsl")),
+            Family::Fields => concat!(include_str!("bit_fields.wgsl"), include_str!("profile.wgsl")),
         };
         [include_str!("../series.wgsl"), decoder].concat()
     }

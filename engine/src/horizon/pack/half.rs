@@ -15,17 +15,15 @@
 use glam::DVec2;
 use half::f16;
 
-use super::HorizonMap;
+use super::encoding::{Encoding, TEXEL_COEFFICIENTS};
+use super::texels::Texels;
 use crate::horizon::series::Series;
 
-/// Complex coefficients in a texel.
-pub const TEXEL_COEFFICIENTS: usize = 4;
-
 /// The series at a grid point.
-pub(super) fn series(map: &HorizonMap, grid: DVec2) -> Series {
+pub(super) fn series(encoding: Encoding, levels: &[Texels], grid: DVec2) -> Series {
     let mut mean_rad = 0.0;
-    let mut harmonics_rad = Vec::with_capacity(map.encoding.harmonics());
-    for (page, (level, layout)) in map.levels.iter().zip(map.encoding.pages()).enumerate() {
+    let mut harmonics_rad = Vec::with_capacity(encoding.harmonics());
+    for (page, (level, layout)) in levels.iter().zip(encoding.pages()).enumerate() {
         for slot in 0..TEXEL_COEFFICIENTS {
             let [re, im] = level.bilinear(grid, layout.scale, |words| unpack(words[slot]).map(f64::from));
             match (page, slot) {

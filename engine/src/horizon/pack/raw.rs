@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::HorizonMap;
 use super::half::unpack;
+use super::texels::Texels;
 
 /// A skyline of straight pieces between evenly spaced azimuths.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,15 +27,15 @@ impl Sampled {
         let count = self.elevations_rad.len();
         let per_rad = count as f64 / TAU;
         let at = towards.x.atan2(towards.y).rem_euclid(TAU) * per_rad;
-        let (low, share) = (at.floor() as usize % count, at.fract());
+        let (low, fraction) = (at.floor() as usize % count, at.fract());
         let [from, to] = [low, (low + 1) % count].map(|index| self.elevations_rad[index]);
-        (from + share * (to - from), (to - from) * per_rad)
+        (from + fraction * (to - from), (to - from) * per_rad)
     }
 }
 
 /// The samples at a grid point.
-pub(super) fn sampled(map: &HorizonMap, grid: DVec2) -> Sampled {
-    let words = map.levels[0].words_per_texel;
-    let pair = |word: usize| map.levels[0].bilinear(grid, 1, |words| unpack(words[word]).map(f64::from));
+pub(super) fn sampled(texels: &Texels, grid: DVec2) -> Sampled {
+    let words = texels.words_per_texel;
+    let pair = |word: usize| texels.bilinear(grid, 1, |words| unpack(words[word]).map(f64::from));
     Sampled { elevations_rad: (0..words).flat_map(pair).collect() }
 }

@@ -2,16 +2,16 @@
 
 use glam::DVec2;
 
-use super::Receivers;
-use super::grid::{Grid, LANES};
-use super::near::{larger, largest};
+use super::grid::HeightGrid;
 use super::ray::Ray;
-use super::wide::wide;
+use crate::horizon::lanes::{LANES, larger, largest};
+use crate::horizon::receivers::Receivers;
+use crate::horizon::wide::wide;
 use crate::terrain::Gnomonic;
 
 /// What the receivers of a row share, lengths in map radii.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct ReceiverRow {
     /// Major coordinate, minor coordinate of the first receiver, and their spacing.
     pub major: f32,
     pub minor: f32,
@@ -27,7 +27,7 @@ pub struct Place {
 pub struct Shape<'a> {
     pub map: &'a Gnomonic,
     /// The level that is looked from, then the coarser ones.
-    pub grids: &'a [Grid],
+    pub grids: &'a [HeightGrid],
     pub receivers: &'a Receivers,
     /// What the receivers' heights are measured from.
     pub datum_m: f64,
@@ -58,14 +58,14 @@ impl Shape<'_> {
                 let heights: [f32; LANES] = std::array::from_fn(|lane| r.observers_m[i + lane] * height_scale + datum);
                 let slopes: &mut [f32; LANES] = (&mut plane[i..i + LANES]).try_into().expect("LANES");
                 slopes.iter_mut().for_each(|slope| *slope *= scale);
-                let place = Place {
+                let row = ReceiverRow {
                     major: radii(fine.origin_m.x + (u + r.margin) as f64 * fine.posting_m),
                     minor: radii(fine.origin_m.y + (start + r.margin) as f64 * fine.posting_m),
                     spacing: radii(fine.posting_m),
                     direction: [ray.direction.x as f32, ray.direction.y as f32],
                     end: [radii(end.x), radii(end.y)],
                 };
-                *slopes = elevations_rad(&place, &heights, slopes);
+                *slopes = elevations_rad(&row, &heights, slopes);
             }
         }
     }
@@ -74,15 +74,15 @@ impl Shape<'_> {
 /// Elevations of the skyline, in radians, from lifted slopes and lifted heights in map radii:
 /// `Gnomonic::elevation_tangent` and `sphere::skyline_beyond`.
 #[inline(always)]
-pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
+pub fn elevations_rad(row: &ReceiverRow, heights: &[f32; LANES], slopes: &[f32; LANES]) -> [f32; LANES] {
     let (mut tangents, mut lower) = ([0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
-        tangents[i] = tangent(place, i, heights[i], slopes[i]);
-        lower[i] = below_the_dip(place, i, heights[i], tangents[i]);
+        tangents[i] = tangent(row, i, heights[i], slopes[i]);
+        lower[i] = below_the_dip(row, i, heights[i], tangents[i]);
     }
     if largest(&lower) > 0.0 {
         for i in 0..LANES {
-            tangents[i] = larger(tangents[i], tangent(place, i, heights[i], sphere_slope(place, i, heights[i])));
+            tangents[i] = larger(tangents[i], tangent(row, i, heights[i], sphere_slope(row, i, heights[i])));
         }
     }
     let mut sizes = [0.0; LANES];
@@ -102,16 +102,16 @@ pub fn elevations_rad(place: &Place, heights: &[f32; LANES], slopes: &[f32; LANE
 }
 
 #[inline(always)]
-fn minor_of(place: &Place, lane: usize) -> f32 {
-    place.minor + lane as f32 * place.spacing
+fn minor_of(row: &ReceiverRow, lane: usize) -> f32 {
+    row.minor + lane as f32 * row.spacing
 }
 
 /// `(s r/R + q)/√(1 − q²)` with one root and one division: `q = p/√k`, `r/R = √k/(1 − h)`.
 #[inline(always)]
-fn tangent(place: &Place, lane: usize, height: f32, slope: f32) -> f32 {
-    let minor = minor_of(place, lane);
-    let k = 1.0 + place.major * place.major + minor * minor;
-    let p = place.major * place.direction[0] + minor * place.direction[1];
+fn tangent(row: &ReceiverRow, lane: usize, height: f32, slope: f32) -> f32 {
+    let minor = minor_of(row, lane);
+    let k = 1.0 + row.major * row.major + minor * minor;
+    let p = row.major * row.direction[0] + minor * row.direction[1];
     let depth = 1.0 - height;
     (slope * k + p * depth) / (depth * (k - p * p).sqrt())
 }
@@ -119,23 +119,23 @@ fn tangent(place: &Place, lane: usize, height: f32, slope: f32) -> f32 {
 /// Positive where the bare sphere may rise above a tangent: it never rises above the dip of the observer's height,
 /// `tan² = (K − M²)/M²` ([`crate::horizon::sphere`]), nor, seen from below it, above the local horizontal.
 #[inline(always)]
-fn below_the_dip(place: &Place, lane: usize, height: f32, tangent: f32) -> f32 {
-    let minor = minor_of(place, lane);
-    let above = place.major * place.major + minor * minor + height * (2.0 - height);
+fn below_the_dip(row: &ReceiverRow, lane: usize, height: f32, tangent: f32) -> f32 {
+    let minor = minor_of(row, lane);
+    let above = row.major * row.major + minor * minor + height * (2.0 - height);
     let drop = if tangent < 0.0 { tangent * (1.0 - height) } else { 0.0 };
     // Short of the dip by its rounding.
     drop.mul_add(drop, -0.9999 * larger(above, 0.0))
 }
 
 #[inline(always)]
-fn sphere_slope(place: &Place, lane: usize, h: f32) -> f32 {
-    let minor = minor_of(place, lane);
-    let [along, across] = place.direction;
-    let square = place.major * place.major + minor * minor;
-    let (k, m, p) = (1.0 + square, 1.0 - h, place.major * along + minor * across);
+fn sphere_slope(row: &ReceiverRow, lane: usize, h: f32) -> f32 {
+    let minor = minor_of(row, lane);
+    let [along, across] = row.direction;
+    let square = row.major * row.major + minor * minor;
+    let (k, m, p) = (1.0 + square, 1.0 - h, row.major * along + minor * across);
     let above = square + h * (2.0 - h);
     let run = |end: f32, at: f32, rate: f32| if rate == 0.0 { f32::MAX } else { (end - at) / rate };
-    let (by_major, by_minor) = (run(place.end[0], place.major, along), run(place.end[1], minor, across));
+    let (by_major, by_minor) = (run(row.end[0], row.major, along), run(row.end[1], minor, across));
     let edge = larger(if by_major < by_minor { by_major } else { by_minor }, 0.0);
     let reach = |t: f32| (k + t * (2.0 * p + t)).sqrt();
     let touch = (p * above + m * (larger(above, 0.0) * (k - p * p)).sqrt()) / (m * m - p * p);

@@ -8,18 +8,19 @@
 //! receiver searches its own line about the two places where its tangents touch ([`super::profile`]).
 //!
 //! Beyond the level that is swept, a line goes on over the next coarser one for [`RING`] of its nodes; coarser
-//! lines carry what lies farther away ([`super::beyond`]).
+//! lines carry what lies farther away ([`super::coarser_levels`]).
 
 use std::ops::Range;
 
-use super::grid::{Grid, LANES};
+use super::grid::HeightGrid;
 use super::hull::{Hull, LOWEST_M, Point};
-use super::line::{Line, Placed};
-use super::near::{larger, largest};
+use super::line::{Line, PlacedGrid};
+use super::near::NEAR;
 use super::profile::Profile;
 use super::ray::Ray;
-use super::wide::{Registers, larger_of};
-use super::{NEAR, Receivers};
+use crate::horizon::lanes::{LANES, larger, largest};
+use crate::horizon::receivers::Receivers;
+use crate::horizon::wide::{Registers, larger_of};
 
 /// Lines worked on side by side.
 const LINES: usize = LANES;
@@ -42,25 +43,25 @@ pub struct Far<'a> {
     pub ray: &'a Ray,
     pub receivers: &'a Receivers,
     /// The swept level and the coarser ones, placed in the azimuth's coordinates.
-    pub levels: Vec<Placed<'a>>,
+    pub levels: Vec<PlacedGrid<'a>>,
     pub profile: Profile,
 }
 
 /// A row of nodes where it is crossed by a block of lines.
 #[derive(Debug, Clone, Copy)]
-pub struct Row {
+pub struct CrossedRow {
     /// Major index of the row, and its distance coordinate.
     pub u: isize,
     pub x: f32,
-    /// The first line crosses at minor coordinate `low + share`, the next ones a posting apart.
+    /// The first line crosses at minor coordinate `low + fraction`, the next ones a posting apart.
     pub low: isize,
-    share: f64,
+    fraction: f64,
 }
 
 /// Receivers of a row, the first just above the first line of a block, the others a posting apart.
 #[derive(Debug, Clone)]
-pub struct Seats<'a> {
-    pub row: Row,
+pub struct RowReceivers<'a> {
+    pub row: CrossedRow,
     /// Those that are taken.
     pub taken: Range<usize>,
     pub observers_m: &'a [f32; LANES],
@@ -69,7 +70,7 @@ pub struct Seats<'a> {
 /// What the hulls of a block say. It is read some time after it was written, word by word, so that the processor need not
 /// wait for the words to become vectors.
 #[derive(Debug)]
-pub struct Asked {
+pub struct TangentQuery {
     /// Where the row to be added lies, and the heights of the lines on it.
     x: f32,
     heights_m: [f32; LINES],
@@ -90,7 +91,7 @@ pub struct Block {
 }
 
 impl<'a> Far<'a> {
-    pub fn fine(&self) -> &'a Grid {
+    pub fn fine(&self) -> &'a HeightGrid {
         self.levels[0].grid
     }
 
@@ -127,11 +128,11 @@ impl<'a> Far<'a> {
 
     /// The nearest row in which a block serves a receiver: what lies before it nobody sees. `None` where it serves nobody.
     pub fn nearest_served(&self, start: isize) -> Option<isize> {
-        (0..self.fine().majors as isize).find(|along| self.seated(&self.row(start, *along)).is_some())
+        (0..self.fine().majors as isize).find(|along| self.taken_receivers(&self.row(start, *along)).is_some())
     }
 
-    /// The row of receivers that a row is, and which of a block's seats are taken there.
-    pub fn seated(&self, row: &Row) -> Option<(usize, Range<usize>)> {
+    /// The row of receivers on a row of nodes, and which of a block's receivers lie there.
+    pub fn taken_receivers(&self, row: &CrossedRow) -> Option<(usize, Range<usize>)> {
         // The first receiver lies above the first line.
         let first = row.low + 1 - self.receivers.margin as isize;
         let from = (-first).clamp(0, BLOCK as isize) as usize;
@@ -152,7 +153,7 @@ impl<'a> Far<'a> {
     }
 
     /// Where the lines of the block that begins with `start` cross the row `along` steps from the near side.
-    pub fn row(&self, start: isize, along: isize) -> Row {
+    pub fn row(&self, start: isize, along: isize) -> CrossedRow {
         let u = if self.ray.sign > 0 { along } else { self.fine().majors as isize - 1 - along };
         let steps = self.ray.sign * (u - self.pivot());
         // Split before `start` is added: rounding must not differ between blocks, or a receiver falls between them.
@@ -160,7 +161,7 @@ impl<'a> Far<'a> {
         // `floor` is a call on targets without SSE 4.1.
         let whole = v as isize;
         let low = whole - isize::from(whole as f64 > v);
-        Row { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, share: v - low as f64 }
+        CrossedRow { u, x: steps as f32 * self.fine().posting_m as f32, low: start + low, fraction: v - low as f64 }
     }
 
     /// Adds the row `along` steps from the near side to the hulls of a block that serves nobody.
@@ -176,7 +177,13 @@ impl<'a> Far<'a> {
     /// Heights of a block's lines on a row, once what lies between it and the row beyond is pushed; `None` where no
     /// line crosses it.
     #[inline(always)]
-    fn approach(&self, registers: Registers, row: &Row, along: isize, block: &mut Block) -> Option<[f32; LINES]> {
+    fn approach(
+        &self,
+        registers: Registers,
+        row: &CrossedRow,
+        along: isize,
+        block: &mut Block,
+    ) -> Option<[f32; LINES]> {
         let fine = self.fine();
         let crosses =
             (0..fine.majors as isize).contains(&along) && row.low > -(LINES as isize) && row.low < fine.minors as isize;
@@ -192,20 +199,20 @@ impl<'a> Far<'a> {
         Some(heights_m)
     }
 
-    /// Asks the hulls of a block where the tangents of the receivers at `seats` touch, and those of the row `along` steps
+    /// Asks the hulls of a block where the tangents of `receivers` touch, and those of the row `along` steps
     /// from the near side, which is to be added next.
     #[inline(always)]
-    pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, seats: &Seats) -> Asked {
+    pub fn ask(&self, registers: Registers, along: isize, block: &mut Block, receivers: &RowReceivers) -> TangentQuery {
         let row = self.row(block.start, along);
         let heights_m = self.approach(registers, &row, along, block).unwrap_or([LOWEST_M; LINES]);
-        let mut asked = Asked {
+        let mut query = TangentQuery {
             x: row.x,
             heights_m,
             touched: [0; LINES],
             farther: [Point::default(); LINES],
             touches: [[Point::default(); LINES]; 2],
         };
-        let (x, observers_m) = (seats.row.x, seats.observers_m);
+        let (x, observers_m) = (receivers.row.x, receivers.observers_m);
         let mut lower_m = observers_m[0];
         for k in 0..LINES {
             let from = [
@@ -214,21 +221,21 @@ impl<'a> Far<'a> {
                 Point { x, height_m: observers_m[k] },
             ];
             let (vertex, [hidden, above, below]) = block.hulls[k].tangents(registers, from);
-            (asked.touched[k], asked.farther[k]) = (vertex, hidden);
-            asked.touches[0][k] = below;
+            (query.touched[k], query.farther[k]) = (vertex, hidden);
+            query.touches[0][k] = below;
             // The first line lies above no receiver: its touch is overwritten.
-            asked.touches[1][k.saturating_sub(1)] = above;
+            query.touches[1][k.saturating_sub(1)] = above;
             lower_m = observers_m[k];
         }
-        asked
+        query
     }
 
-    /// Adds the row that was `asked` for, and raises the slopes of the receivers, in metres per metre along the major axis,
+    /// Adds the row that `query` stands for, and raises the slopes of the receivers, in metres per metre along the major axis,
     /// to the far ones: NaN where the tangent touches beyond the search distance.
     #[inline(always)]
-    pub fn answer(&self, block: &mut Block, seats: &Seats, asked: &Asked, slopes: &mut [f32; LANES]) {
-        let (x, observers_m) = (seats.row.x, seats.observers_m);
-        let Asked { x: ahead_x, heights_m: ahead_m, touched, farther, touches } = asked;
+    pub fn answer(&self, block: &mut Block, receivers: &RowReceivers, query: &TangentQuery, slopes: &mut [f32; LANES]) {
+        let (x, observers_m) = (receivers.row.x, receivers.observers_m);
+        let TangentQuery { x: ahead_x, heights_m: ahead_m, touched, farther, touches } = query;
         let (mut lines, mut intercepts_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
             [lines[k], intercepts_m[k]] = Point { x: *ahead_x, height_m: ahead_m[k] }.line_to(farther[k]);
@@ -236,8 +243,8 @@ impl<'a> Far<'a> {
         for k in 0..LINES {
             block.hulls[k].put(touched[k], Point { x: *ahead_x, height_m: ahead_m[k] }, [lines[k], intercepts_m[k]]);
         }
-        // A receiver lies `1 − share` above its lower line.
-        let share = seats.row.share as f32;
+        // A receiver lies `1 − fraction` above its lower line.
+        let fraction = receivers.row.fraction as f32;
         let ahead_run_m = ahead_x - x;
         let (mut runs_m, mut tangents) = ([[0.0; LINES]; 2], [[0.0; LINES]; 2]);
         let (mut mixed, mut turns, mut lost) = ([0.0; LINES], [0.0; LINES + 2], [0.0; LINES]);
@@ -254,7 +261,7 @@ impl<'a> Far<'a> {
             let (rise_b, run_b) = steeper(touches[1][k], next_m[k]);
             let inverse = 1.0 / (run_a * run_b);
             let (below, above) = (rise_a * run_b * inverse, rise_b * run_a * inverse);
-            mixed[k] = share * below + (1.0 - share) * above;
+            mixed[k] = fraction * below + (1.0 - fraction) * above;
             (runs_m[0][k], runs_m[1][k]) = (run_a, run_b);
             (tangents[0][k], tangents[1][k]) = (below, above);
             turns[k + 1] = above - below;
@@ -263,9 +270,9 @@ impl<'a> Far<'a> {
         }
         // The outermost receivers have a neighbour on one side.
         (turns[0], turns[LINES]) = (turns[1], turns[BLOCK]);
-        // Linear interpolation errs by `share (1 − share)/2` of the second difference. A line through the receiver itself
+        // Linear interpolation errs by `fraction (1 − fraction)/2` of the second difference. A line through the receiver itself
         // still misses the humps of cells.
-        let weight = 0.5 * share * (1.0 - share) + 0.01;
+        let weight = 0.5 * fraction * (1.0 - fraction) + 0.01;
         let mut doubts = [0.0; LINES];
         for k in 0..LINES {
             let bends = larger((turns[k + 1] - turns[k]).abs(), (turns[k + 2] - turns[k + 1]).abs());
@@ -278,13 +285,13 @@ impl<'a> Far<'a> {
             slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
         }
         if worst > AGREEMENT {
-            for k in seats.taken.clone() {
+            for k in receivers.taken.clone() {
                 if doubts[k] > AGREEMENT {
                     let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
                     let own = if doubts[k] == f32::INFINITY {
                         f32::NAN
                     } else {
-                        self.own(seats, k, of(&runs_m), of(&tangents))
+                        self.own(receivers, k, of(&runs_m), of(&tangents))
                     };
                     if own > slopes[k] || own.is_nan() {
                         slopes[k] = own;
@@ -297,30 +304,31 @@ impl<'a> Far<'a> {
     /// The slope on a receiver's own line, near where its two neighbours are touched.
     #[cold]
     #[inline(never)]
-    fn own(&self, seats: &Seats, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
+    fn own(&self, receivers: &RowReceivers, k: usize, runs_m: [f32; 2], tangents: [f32; 2]) -> f32 {
         let inverse_posting = 1.0 / self.fine().posting_m as f32;
         let steps = runs_m.map(|run_m| (run_m * inverse_posting + 0.5) as usize);
-        let v = (seats.row.low + 1 + k as isize) as usize;
-        let reach = self.profile.reach(self.fine(), seats.row.u, v);
-        let own = self.profile.slope(self.fine(), seats.row.u, v, seats.observers_m[k], steps, reach) * inverse_posting;
+        let v = (receivers.row.low + 1 + k as isize) as usize;
+        let reach = self.profile.reach(self.fine(), receivers.row.u, v);
+        let own = self.profile.slope(self.fine(), receivers.row.u, v, receivers.observers_m[k], steps, reach)
+            * inverse_posting;
         if steps[0].max(steps[1]) <= reach || self.levels.len() == 1 {
             return own;
         }
         // A touch on a coarser level, whose own line is not at hand: both lines see at least the lower one.
         let [below, above] = tangents;
         let lower = if below < above { below } else { above };
-        let share = seats.row.share as f32;
-        larger(own, if steps[0].min(steps[1]) > reach { share * below + (1.0 - share) * above } else { lower })
+        let fraction = receivers.row.fraction as f32;
+        larger(own, if steps[0].min(steps[1]) > reach { fraction * below + (1.0 - fraction) * above } else { lower })
     }
 
     /// Pushes where lines cross a column between a row and the one beyond it, if the surface stands above the chord there.
     #[inline(always)]
-    fn push_columns(&self, registers: Registers, row: &Row, heights_m: &[f32; LINES], block: &mut Block) {
+    fn push_columns(&self, registers: Registers, row: &CrossedRow, heights_m: &[f32; LINES], block: &mut Block) {
         let fine = self.fine();
         // All lines of a block cross their columns at the same distance.
-        let beyond = row.share + self.ray.minor;
+        let beyond = row.fraction + self.ray.minor;
         let column = if beyond > 1.0 { 1 } else { 0 };
-        let along = (column as f64 - row.share) / self.ray.minor;
+        let along = (column as f64 - row.fraction) / self.ray.minor;
         if (0.0..=1.0).contains(&beyond) || along <= LEAST || along >= 1.0 - LEAST {
             return;
         }
@@ -360,12 +368,12 @@ impl Default for Block {
 
 /// Heights of a block's lines on a row of nodes.
 #[inline(always)]
-fn sample(grid: &Grid, row: &Row) -> [f32; LINES] {
+fn sample(grid: &HeightGrid, row: &CrossedRow) -> [f32; LINES] {
     let (low, high): (&[f32; LINES], &[f32; LINES]) = (grid.lanes(row.u, row.low), grid.lanes(row.u, row.low + 1));
-    let share = row.share as f32;
+    let fraction = row.fraction as f32;
     let mut heights_m = [0.0; LINES];
     for k in 0..LINES {
-        heights_m[k] = larger((1.0 - share) * low[k] + share * high[k], LOWEST_M);
+        heights_m[k] = larger((1.0 - fraction) * low[k] + fraction * high[k], LOWEST_M);
     }
     heights_m
 }

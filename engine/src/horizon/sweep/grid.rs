@@ -1,59 +1,20 @@
 //! A level's heights as a sweep wants them: rows along the minor axis, padded, gaps far below everything.
 
-use glam::{DVec2, DVec3, Vec2Swizzles as _};
+use glam::DVec2;
 
+use crate::horizon::axis::Major;
+use crate::horizon::lanes::LANES;
 use crate::terrain::Level;
 
-/// Height of what never occludes: far below everything, yet finite, so that a share of 0 in it is 0.
+/// Height of what never occludes: far below everything, yet finite, so that a weight of 0 makes it 0.
 pub const NEVER_M: f32 = -1e30;
 
-/// Heights below this have a share of [`NEVER_M`] in them.
+/// Heights below this are interpolated with [`NEVER_M`].
 pub const ABSENT_M: f32 = -1e10;
-
-/// Receivers are computed this many at a time.
-pub const LANES: usize = 32;
-
-/// The axis along which a line of sight advances by whole nodes: the one it runs along more closely.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Major {
-    Row,
-    Column,
-}
-
-impl Major {
-    pub fn of(direction: DVec2) -> Self {
-        if direction.y.abs() >= direction.x.abs() { Self::Row } else { Self::Column }
-    }
-
-    /// (major, minor) components of a map vector, and back.
-    pub fn split(self, vector: DVec2) -> DVec2 {
-        match self {
-            Self::Row => vector.yx(),
-            Self::Column => vector,
-        }
-    }
-
-    /// Where a plane along this axis, of rows with a stride, has a node of the seen part, (column, row).
-    pub fn index(self, stride: usize, [column, row]: [usize; 2]) -> usize {
-        match self {
-            Self::Row => row * stride + column,
-            Self::Column => column * stride + row,
-        }
-    }
-
-    /// Lifted point of the ground at a seen node of a level, by major and minor index.
-    pub fn foot(self, level: &Level, u: usize, v: usize) -> DVec3 {
-        let (column, row) = match self {
-            Self::Row => (v, u),
-            Self::Column => (u, v),
-        };
-        level.lifted_node(column + level.margin, row + level.margin)
-    }
-}
 
 /// Occluding heights, `[major][minor]`, with a margin of [`NEVER_M`] all around.
 #[derive(Debug)]
-pub struct Grid {
+pub struct HeightGrid {
     pub majors: usize,
     pub minors: usize,
     pub stride: usize,
@@ -64,7 +25,7 @@ pub struct Grid {
     pub heights_m: Vec<f32>,
 }
 
-impl Grid {
+impl HeightGrid {
     /// Heights of `level` above `datum_m`, reachable up to `pad` nodes beyond its sides.
     pub fn new(level: &Level, major: Major, pad: usize, datum_m: f64) -> Self {
         let (majors, minors) = match major {
@@ -122,4 +83,11 @@ impl Grid {
 fn padded_stride(length: usize) -> usize {
     let lines = length.div_ceil(16);
     (lines | 1) * 16
+}
+
+/// The middle of a level's heights: `f32` heights above it keep more digits.
+pub fn middle_m(level: &Level) -> f64 {
+    let valid = level.heights_m.iter().zip(&level.gap).filter(|(_, gap)| !**gap).map(|(height_m, _)| *height_m);
+    let (low, high) = valid.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
+    if low > high { 0.0 } else { f64::from(0.5 * (low + high)) }
 }

@@ -9,8 +9,8 @@
 //! # References
 //! Barrett, *Linear-time horizon sweep*; Timonen & Westerholm (2010), *Scalable height field self-shadowing*.
 
-use super::near::larger;
-use super::wide::{Registers, lines_above};
+use crate::horizon::lanes::larger;
+use crate::horizon::wide::{Registers, lines_above};
 
 /// Vertices that are looked at together.
 const WINDOW: usize = 16;

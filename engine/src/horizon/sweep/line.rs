@@ -1,6 +1,6 @@
 //! The surface of one level along one line, exact at its crossings of the grid.
 
-use super::grid::{ABSENT_M, Grid};
+use super::grid::{ABSENT_M, HeightGrid};
 use super::ray::Ray;
 
 /// A line `y = intercept + minor · x` in metres from a common centre: `x` grows along the azimuth's major
@@ -13,8 +13,8 @@ pub struct Line {
 
 /// A level's grid in the coordinates of an azimuth.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed<'a> {
-    pub grid: &'a Grid,
+pub struct PlacedGrid<'a> {
+    pub grid: &'a HeightGrid,
     sign: isize,
     minor: f64,
     /// x of the grid's near side, y of its node row 0.
@@ -22,9 +22,9 @@ pub struct Placed<'a> {
     low_y_m: f64,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedGrid<'a> {
     /// `centre_m`: map (major, minor) coordinates of the origin of x and y.
-    pub fn new(grid: &'a Grid, ray: &Ray, centre_m: glam::DVec2) -> Self {
+    pub fn new(grid: &'a HeightGrid, ray: &Ray, centre_m: glam::DVec2) -> Self {
         let first = if ray.sign > 0 { 0.0 } else { (grid.majors - 1) as f64 * grid.posting_m };
         Self {
             grid,
@@ -131,8 +131,8 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// Linear interpolation in which a share of 0 in a gap is nothing.
-fn mix(a: f32, b: f32, share: f64) -> f32 {
-    let share = if share < 1e-6 { 0.0 } else { share as f32 };
-    (1.0 - share) * a + share * b
+/// Linear interpolation in which a gap of weight 0 is nothing.
+fn mix(a: f32, b: f32, fraction: f64) -> f32 {
+    let fraction = if fraction < 1e-6 { 0.0 } else { fraction as f32 };
+    (1.0 - fraction) * a + fraction * b
 }

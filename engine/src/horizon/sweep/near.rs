@@ -13,19 +13,22 @@
 //! `|c₂|(t₂ − t₁)²/16t₁` above the sampled slopes, says where a cell is worth the root after all. In the receiver's own
 //! cell `c₀ = 0`, and the slope's limit at distance 0 is the facet's, `c₁`.
 
-use super::grid::{Grid, LANES, NEVER_M};
+use super::grid::{HeightGrid, NEVER_M};
 use super::ray::Ray;
-use super::wide::wide;
+use crate::horizon::lanes::{LANES, lanes, larger};
+use crate::horizon::wide::wide;
 
+/// Major steps of the exact near field.
+pub const NEAR: usize = 16;
 /// Major steps within which the surface between two crossings is always searched exactly.
 const EXACT: f64 = 2.0;
 
 /// A crossing of a grid line, with the cell passed on the way to it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
-    /// Offsets of the two nodes beside it, and the share of the second.
+    /// Offsets of the two nodes beside it, and the weight of the second.
     nodes: [isize; 2],
-    share: f32,
+    fraction: f32,
     /// One over the distance in major steps.
     inverse: f32,
     /// Offset of the twist of the cell before.
@@ -56,7 +59,7 @@ pub struct Stencil {
 
 impl Stencil {
     /// Crossings up to `reach` major steps away.
-    pub fn new(grid: &Grid, ray: &Ray, reach: usize, on_ground: bool) -> Self {
+    pub fn new(grid: &HeightGrid, ray: &Ray, reach: usize, on_ground: bool) -> Self {
         let mut steps: Vec<f64> = (1..=reach).map(|n| n as f64).collect();
         if ray.minor != 0.0 {
             steps.extend((1..).map(|j| f64::from(j) / ray.minor.abs()).take_while(|step| *step <= reach as f64));
@@ -73,24 +76,24 @@ impl Stencil {
 }
 
 impl Crossing {
-    fn new(grid: &Grid, ray: &Ray, from: f64, to: f64) -> Self {
+    fn new(grid: &HeightGrid, ray: &Ray, from: f64, to: f64) -> Self {
         let node = |u: f64, v: f64| u as isize * grid.stride as isize + v as isize;
         let (u, v) = (ray.sign as f64 * to, ray.minor * to);
         let near = |value: f64| (value - value.round()).abs() < 1e-6;
-        let (nodes, share) = if near(u) {
+        let (nodes, fraction) = if near(u) {
             let low = if near(v) { v.round() } else { v.floor() };
             ([node(u.round(), low), node(u.round(), low + 1.0)], (v - low).max(0.0))
         } else {
             let low = u.floor();
             ([node(low, v.round()), node(low + 1.0, v.round())], u - low)
         };
-        let share = if share < 1e-6 { 0.0 } else { share as f32 };
+        let fraction = if fraction < 1e-6 { 0.0 } else { fraction as f32 };
         let middle = 0.5 * (from + to);
         let cell = node((ray.sign as f64 * middle).floor(), (ray.minor * middle).floor());
         let bulge = -0.25 * (to - from) * (to - from) * ray.sign as f64 * ray.minor;
         Self {
             nodes,
-            share,
+            fraction,
             inverse: (1.0 / to) as f32,
             cell,
             enter: from as f32,
@@ -200,35 +203,6 @@ impl Site<'_> {
 impl Crossing {
     #[inline(always)]
     fn rise_m(&self, a: f32, b: f32, observer_m: f32) -> f32 {
-        self.share.mul_add(b, (1.0 - self.share).mul_add(a, -observer_m))
+        self.fraction.mul_add(b, (1.0 - self.fraction).mul_add(a, -observer_m))
     }
-}
-
-#[inline(always)]
-fn lanes(array: &[f32], at: usize, offset: isize) -> &[f32; LANES] {
-    let start = at.wrapping_add_signed(offset);
-    array[start..start + LANES].first_chunk().expect("a slice of LANES")
-}
-
-/// The larger of two numbers, the first where one of them is NaN; one instruction.
-#[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
-}
-
-/// The largest of some numbers; those that are NaN do not count.
-#[inline(always)]
-pub fn largest(numbers: &[f32; LANES]) -> f32 {
-    let mut half = [0.0; LANES / 2];
-    for i in 0..LANES / 2 {
-        half[i] = larger(larger(f32::NEG_INFINITY, numbers[i]), numbers[i + LANES / 2]);
-    }
-    let mut length = LANES / 4;
-    while length > 0 {
-        for i in 0..length {
-            half[i] = larger(half[i], half[i + length]);
-        }
-        length /= 2;
-    }
-    half[0]
 }

@@ -4,18 +4,18 @@
 //! a table of them serves a whole azimuth. From a suspected distance the slope is climbed to its local
 //! maximum over whole steps; the two steps beside it are then searched exactly, as in `near`.
 
-use super::grid::{Grid, NEVER_M};
-use super::near::larger;
+use super::grid::{HeightGrid, NEVER_M};
 use super::ray::Ray;
+use crate::horizon::lanes::larger;
 
 /// The crossings of one major step.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    /// Offset of the lower node at the end of the step, and the share of the upper one.
+    /// Offset of the lower node at the end of the step, and the weight of the upper one.
     node: isize,
-    share: f32,
+    fraction: f32,
     inverse: f32,
-    /// Where a minor grid line is crossed on the way: offset, share of the node at the far end, and distance in steps.
+    /// Where a minor grid line is crossed on the way: offset, weight of the node at the far end, and distance in steps.
     column: Option<(isize, f32, f32)>,
     /// Offsets of the cells passed on the way: before and after that crossing.
     cells: [isize; 2],
@@ -33,7 +33,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    pub fn new(grid: &Grid, ray: &Ray) -> Self {
+    pub fn new(grid: &HeightGrid, ray: &Ray) -> Self {
         let stride = grid.stride as isize * ray.sign;
         let steps = (0..grid.majors as isize).map(|n| {
             let v = ray.minor * n as f64;
@@ -54,7 +54,7 @@ impl Profile {
             Step {
                 cells: [cell(middle), cell(after)],
                 node: stride * n + low as isize,
-                share: (v - low).max(0.0) as f32,
+                fraction: (v - low).max(0.0) as f32,
                 inverse: (1.0 / n as f64) as f32,
                 column: on_the_way,
             }
@@ -69,7 +69,7 @@ impl Profile {
     }
 
     /// Steps from node (u, v) to the end of the grid or of the search.
-    pub fn reach(&self, grid: &Grid, u: isize, v: usize) -> usize {
+    pub fn reach(&self, grid: &HeightGrid, u: isize, v: usize) -> usize {
         let majors = if self.sign > 0 { grid.majors as isize - 1 - u } else { u };
         let minors = if self.minor > 0.0 { grid.minors - 1 - v } else { v };
         let minors = if self.minor == 0.0 { f64::INFINITY } else { minors as f64 / self.minor.abs() };
@@ -77,7 +77,15 @@ impl Profile {
     }
 
     /// The steepest slope, per major step, near some of the distances `steps`, those beyond `reach` moved there.
-    pub fn slope(&self, grid: &Grid, u: isize, v: usize, observer_m: f32, steps: [usize; 2], reach: usize) -> f32 {
+    pub fn slope(
+        &self,
+        grid: &HeightGrid,
+        u: isize,
+        v: usize,
+        observer_m: f32,
+        steps: [usize; 2],
+        reach: usize,
+    ) -> f32 {
         if reach == 0 {
             return NEVER_M;
         }
@@ -90,21 +98,21 @@ impl Profile {
 /// One receiver's line.
 struct View<'a> {
     profile: &'a Profile,
-    grid: &'a Grid,
+    grid: &'a HeightGrid,
     at: usize,
     observer_m: f32,
     reach: usize,
 }
 
 impl View<'_> {
-    fn mix(&self, low: isize, high: isize, share: f32) -> f32 {
+    fn mix(&self, low: isize, high: isize, fraction: f32) -> f32 {
         let node = |offset: isize| self.grid.heights_m[self.at.wrapping_add_signed(offset)];
-        (1.0 - share) * node(low) + share * node(high) - self.observer_m
+        (1.0 - fraction) * node(low) + fraction * node(high) - self.observer_m
     }
 
     fn rise_m(&self, n: usize) -> f32 {
         let step = &self.profile.steps[n];
-        self.mix(step.node, step.node + 1, step.share)
+        self.mix(step.node, step.node + 1, step.fraction)
     }
 
     fn slope(&self, n: usize) -> f32 {
@@ -141,8 +149,8 @@ impl View<'_> {
     fn last(&self, step: &Step) -> f32 {
         let stride = self.grid.stride as isize * self.profile.sign;
         match step.column {
-            Some((node, share, at)) if f64::from(at) <= self.profile.search_steps => {
-                self.mix(node, node + stride, share) / at
+            Some((node, fraction, at)) if f64::from(at) <= self.profile.search_steps => {
+                self.mix(node, node + stride, fraction) / at
             }
             _ => NEVER_M,
         }
@@ -153,11 +161,11 @@ impl View<'_> {
         let step = &self.profile.steps[n];
         let (before, after) = ((n - 1) as f32, n as f32);
         let ends = [self.rise_m(n - 1), self.rise_m(n)];
-        let Some((node, share, at)) = step.column else {
+        let Some((node, fraction, at)) = step.column else {
             return self.peak(step.cells[0], [before, after], ends);
         };
         let stride = self.grid.stride as isize * self.profile.sign;
-        let middle_m = self.mix(node, node + stride, share);
+        let middle_m = self.mix(node, node + stride, fraction);
         let entering = self.peak(step.cells[0], [before, at], [ends[0], middle_m]);
         larger(entering, self.peak(step.cells[1], [at, after], [middle_m, ends[1]]))
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::grid::Major;
+use crate::horizon::axis::Major;
 
 /// A direction by its steps along the major axis.
 #[derive(Debug, Clone, Copy)]

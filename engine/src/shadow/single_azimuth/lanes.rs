@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use super::believed::exit_m;
 use crate::horizon::Settings;
 use crate::horizon::sphere::skyline_beyond;
-use crate::horizon::sweep::wide::wide;
+use crate::horizon::wide::wide;
 use crate::terrain::{Gnomonic, Level, Surface};
 
 /// Nodes side by side.

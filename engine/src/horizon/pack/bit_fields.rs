@@ -1,30 +1,30 @@
 //! Fields of bits: every real coefficient as small integers, in water-filled pyramids summed over four resolutions.
 //!
 //! ```text
-//! c(x) = Σ_pages Σ_texels share · (offset + gain · step · (code + bias))      c = a₀, a₁, b₁, … a₄₇, b₄₇
+//! c(x) = Σ_pages Σ_texels weight · (offset + gain · step · (code + bias))      c = a₀, a₁, b₁, … a₄₇, b₄₇
 //! ```
 //!
 //! A texel of `w` words at each of the resolutions 1, 1/2, 1/4, 1/8 holds a signed field of a few bits for each coefficient
-//! that is worth them there ([`super::super::fit::water`] decides). Skylines of neighbours are alike in their low
+//! that is worth them there ([`super::super::fit::bit_allocation`] decides). Skylines of neighbours are alike in their low
 //! harmonics, so that the coarse pages say most of those and the fine ones only what is left; there no bit is spent on what
 //! half floats keep twice over. The fields of a page are the same in all of its texels: the map's table says which bits of
 //! which word, which coefficient, which step. No field crosses a word. The lowest two bits of a texel say its gain, 1, 2, 4 or
 //! 8 ([`super::super::fit::gain`]), and the series is of elevations that are expanded afterwards
 //! ([`crate::horizon::companding`]). A texel of a map in equal steps ([`super::super::fit::equal`]) has eight words, and neither.
 //!
-//! `water.wgsl` decodes the same from a buffer in which the table lies behind the pages.
+//! `bit_fields.wgsl` decodes the same from a buffer in which the table lies behind the pages.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::HorizonMap;
+use super::encoding::{Encoding, GAIN_BITS};
+use super::texels::Texels;
 use crate::horizon::series::Series;
 
 /// Pages of a pyramid.
 pub const PAGES: usize = 4;
 
-/// Bits of a texel's gain, the lowest of its first word.
-pub const GAIN_BITS: u32 = 2;
+/// Gains that a texel may have.
 pub const GAINS: usize = 1 << GAIN_BITS;
 
 /// The gain that a code stands for.
@@ -49,7 +49,7 @@ pub fn put_gain(words: &mut [u32], code: u32) {
 
 /// Some bits of every texel of a page.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Field {
+pub struct BitField {
     /// `2k` for `aₖ`, `2k + 1` for `bₖ`.
     pub real: usize,
     pub word: usize,
@@ -62,7 +62,7 @@ pub struct Field {
     pub bias: f32,
 }
 
-impl Field {
+impl BitField {
     /// The signed code in a texel.
     pub fn code(&self, words: &[u32]) -> i32 {
         (words[self.word] << self.left()) as i32 >> self.right()
@@ -97,14 +97,14 @@ impl Field {
 }
 
 /// The series at a grid point.
-pub(super) fn series(map: &HorizonMap, grid: DVec2) -> Series {
-    let mut reals = vec![0.0; 2 * (map.encoding.harmonics() + 1)];
-    for ((level, page), fields) in map.levels.iter().zip(map.encoding.pages()).zip(&map.fields) {
-        for (column, row, share) in level.corners(grid, page.scale) {
+pub(super) fn series(encoding: Encoding, levels: &[Texels], fields: &[Vec<BitField>], grid: DVec2) -> Series {
+    let mut reals = vec![0.0; 2 * (encoding.harmonics() + 1)];
+    for ((level, page), fields) in levels.iter().zip(encoding.pages()).zip(fields) {
+        for (column, row, weight) in level.corners(grid, page.scale) {
             let texel = level.texel(column, row);
-            let gain = gain_of(texel, map.encoding.gain_bits());
+            let gain = gain_of(texel, encoding.gain_bits());
             for field in fields {
-                reals[field.real] += share * f64::from(field.value_rad(field.code(texel), gain));
+                reals[field.real] += weight * f64::from(field.value_rad(field.code(texel), gain));
             }
         }
     }
@@ -113,7 +113,7 @@ pub(super) fn series(map: &HorizonMap, grid: DVec2) -> Series {
 }
 
 /// The table as the shader reads it: where each page's entries end, then an entry a field.
-pub(super) fn table(fields: &[Vec<Field>]) -> Vec<[u32; 4]> {
+pub(super) fn table(fields: &[Vec<BitField>]) -> Vec<[u32; 4]> {
     if fields.is_empty() {
         return Vec::new();
     }
@@ -136,7 +136,7 @@ mod tests {
     fn every_code_survives_every_place_in_a_word() {
         for width in 1..=8 {
             for shift in 0..=32 - width {
-                let field = Field { real: 0, word: 1, shift, width, step_rad: 1.0, offset_rad: 0.0, bias: 0.0 };
+                let field = BitField { real: 0, word: 1, shift, width, step_rad: 1.0, offset_rad: 0.0, bias: 0.0 };
                 for code in field.range()[0]..=field.range()[1] {
                     let mut words = [!0, !(((1_u32 << width) - 1) << shift), !0];
                     field.put(&mut words, code);

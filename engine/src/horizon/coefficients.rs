@@ -1,7 +1,7 @@
-//! The numbers in a map's texels, one by one, whatever the encoding: where each lies, what it is worth, what it counts for.
+//! The coefficients in a map's texels, one by one, whatever the encoding: where each lies, what it is worth, what it counts for.
 //!
 //! ```text
-//! h(x, y, A) = Σ numbers  weight(name, A) · bilinear(value)(x, y)      h compressed where the encoding does
+//! h(x, y, A) = Σ coefficients  weight(name, A) · bilinear(value)(x, y)      h compressed where the encoding does
 //! ```
 //!
 //! Files keep them as whole numbers in planes ([`super::pages`]), [`super::decode`] sums them. A half float becomes a whole
@@ -17,20 +17,20 @@ use std::fmt;
 use glam::DVec2;
 use half::f16;
 
-use super::pack::half::TEXEL_COEFFICIENTS;
-use super::pack::water::{gain_code, put_gain};
-use super::pack::{Encoding, Family, Field};
+use super::pack::bit_fields::{gain_code, put_gain};
+use super::pack::encoding::TEXEL_COEFFICIENTS;
+use super::pack::{BitField, Encoding, Family};
 
-/// What a number is a coefficient of.
+/// What a coefficient multiplies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Name {
+pub enum CoefficientName {
     /// `Re Xₖ` and `Im Xₖ` of [`super::pack::half`].
     Re(usize),
     Im(usize),
     /// `aₖ` and `bₖ` of [`super::series`].
     A(usize),
     B(usize),
-    /// The gain of a texel's codes ([`super::pack::water`]): it counts for nothing by itself.
+    /// The gain of a texel's codes ([`super::pack::bit_fields`]): it counts for nothing by itself.
     Gain,
     /// The elevation at one of so many azimuths.
     Sample {
@@ -39,7 +39,7 @@ pub enum Name {
     },
 }
 
-impl fmt::Display for Name {
+impl fmt::Display for CoefficientName {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Re(k) => write!(f, "re {k}"),
@@ -52,7 +52,7 @@ impl fmt::Display for Name {
     }
 }
 
-impl Name {
+impl CoefficientName {
     /// What it counts for towards a unit map direction `(sin A, cos A)`.
     pub fn weight(self, direction: DVec2) -> f64 {
         let azimuth_rad = direction.x.atan2(direction.y);
@@ -70,59 +70,59 @@ impl Name {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
+enum Location {
     /// Sixteen bits of a word, from a bit on.
     Half {
         word: usize,
         shift: u32,
     },
-    Field(Field),
+    Field(BitField),
     /// So many bits.
     Gain(u32),
 }
 
-/// A number that every texel of a level holds.
+/// A coefficient that every texel of a level holds, as a whole number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Number {
+pub struct Coefficient {
     pub level: usize,
     pub scale: usize,
-    pub name: Name,
-    place: Place,
+    pub name: CoefficientName,
+    location: Location,
 }
 
-impl Number {
+impl Coefficient {
     /// Of a texel.
     pub fn get(&self, texel: &[u32]) -> i32 {
-        match &self.place {
-            Place::Half { word, shift } => i32::from(ordered((texel[*word] >> shift) as u16 as i16)),
-            Place::Field(field) => field.code(texel),
-            Place::Gain(bits) => gain_code(texel, *bits) as i32,
+        match &self.location {
+            Location::Half { word, shift } => i32::from(ordered((texel[*word] >> shift) as u16 as i16)),
+            Location::Field(field) => field.code(texel),
+            Location::Gain(bits) => gain_code(texel, *bits) as i32,
         }
     }
 
     /// Puts it into a texel whose bits there are 0.
     pub fn put(&self, texel: &mut [u32], number: i32) {
-        match &self.place {
-            Place::Half { word, shift } => texel[*word] |= u32::from(ordered(number as i16) as u16) << shift,
-            Place::Field(field) => field.put(texel, number),
-            Place::Gain(_) => put_gain(texel, number as u32),
+        match &self.location {
+            Location::Half { word, shift } => texel[*word] |= u32::from(ordered(number as i16) as u16) << shift,
+            Location::Field(field) => field.put(texel, number),
+            Location::Gain(_) => put_gain(texel, number as u32),
         }
     }
 
     /// What a number stands for in a texel of some gain.
     pub fn value_rad(&self, number: i32, gain: f32) -> f32 {
-        match &self.place {
-            Place::Half { .. } => f16::from_bits(ordered(number as i16) as u16).to_f32(),
-            Place::Field(field) => field.value_rad(number, gain),
-            Place::Gain(_) => 0.0,
+        match &self.location {
+            Location::Half { .. } => f16::from_bits(ordered(number as i16) as u16).to_f32(),
+            Location::Field(field) => field.value_rad(number, gain),
+            Location::Gain(_) => 0.0,
         }
     }
 
     /// Its description where it is a field.
-    pub fn field(&self) -> Option<Field> {
-        match self.place {
-            Place::Half { .. } | Place::Gain(_) => None,
-            Place::Field(field) => Some(field),
+    pub fn field(&self) -> Option<BitField> {
+        match self.location {
+            Location::Half { .. } | Location::Gain(_) => None,
+            Location::Field(field) => Some(field),
         }
     }
 }
@@ -132,31 +132,32 @@ fn ordered(bits: i16) -> i16 {
     if bits < 0 { bits ^ i16::MAX } else { bits }
 }
 
-/// The numbers of an encoding in the order of its pages.
-pub fn numbers(encoding: Encoding, fields: &[Vec<Field>]) -> Vec<Number> {
+/// The coefficients of an encoding in the order of its pages.
+pub fn coefficients(encoding: Encoding, fields: &[Vec<BitField>]) -> Vec<Coefficient> {
     let pages = encoding.pages().into_iter().enumerate();
-    let halves = |level: usize, scale: usize, words: usize, name: &dyn Fn(usize, usize) -> Name| {
+    let halves = |level: usize, scale: usize, words: usize, name: &dyn Fn(usize, usize) -> CoefficientName| {
         let number = |half: usize| {
-            let place = Place::Half { word: half / 2, shift: 16 * (half % 2) as u32 };
-            Number { level, scale, name: name(level, half), place }
+            let location = Location::Half { word: half / 2, shift: 16 * (half % 2) as u32 };
+            Coefficient { level, scale, name: name(level, half), location }
         };
         (0..2 * words).map(number).collect::<Vec<_>>()
     };
     let complex = |level: usize, half: usize| {
         let k = level * TEXEL_COEFFICIENTS + half / 2;
-        if half.is_multiple_of(2) { Name::Re(k) } else { Name::Im(k) }
+        if half.is_multiple_of(2) { CoefficientName::Re(k) } else { CoefficientName::Im(k) }
     };
-    let real = |real: usize| if real.is_multiple_of(2) { Name::A(real / 2) } else { Name::B(real / 2) };
+    let real =
+        |real: usize| if real.is_multiple_of(2) { CoefficientName::A(real / 2) } else { CoefficientName::B(real / 2) };
     let of = encoding.samples();
     let of_page = |(level, page): (usize, super::pack::Page)| match encoding.family() {
         Family::Halves => halves(level, page.scale, page.words, &complex),
-        Family::Samples => halves(level, page.scale, page.words, &|_, index| Name::Sample { index, of }),
+        Family::Samples => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
         Family::Fields => {
             let (scale, bits) = (page.scale, encoding.gain_bits());
-            let field = |field: &Field| (real(field.real), Place::Field(*field));
-            let gain = (bits > 0).then_some((Name::Gain, Place::Gain(bits)));
+            let field = |field: &BitField| (real(field.real), Location::Field(*field));
+            let gain = (bits > 0).then_some((CoefficientName::Gain, Location::Gain(bits)));
             let all = fields[level].iter().map(field).chain(gain);
-            all.map(|(name, place)| Number { level, scale, name, place }).collect()
+            all.map(|(name, location)| Coefficient { level, scale, name, location }).collect()
         }
     };
     pages.flat_map(of_page).collect()
@@ -179,7 +180,7 @@ mod tests {
     fn sampled_elevations_count_for_all_and_alone_at_their_azimuth() {
         let weights = |azimuth_rad: f64| {
             let direction = DVec2::new(azimuth_rad.sin(), azimuth_rad.cos());
-            [0, 1, 2, 7].map(|index| Name::Sample { index, of: 8 }.weight(direction))
+            [0, 1, 2, 7].map(|index| CoefficientName::Sample { index, of: 8 }.weight(direction))
         };
         let near = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(near(weights(0.0), [1.0, 0.0, 0.0, 0.0]) && near(weights(TAU / 8.0), [0.0, 1.0, 0.0, 0.0]));

@@ -1,32 +1,17 @@
-//! Which search makes the horizons of a tile.
+//! The search that a tile's settings name, prepared for the azimuths along one axis.
 
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
+use super::axis::Major;
+use super::band_limits::BandLimits;
+use super::elevation_plane::ElevationPlane;
+use super::error::Error;
 use super::exact::Exact;
 use super::gpu::OnDevice;
-use super::sweep::grid::Major;
-use super::sweep::{Receivers, Sweep};
-use super::{Error, Settings};
+use super::receivers::Receivers;
+use super::settings::{Method, Settings};
+use super::sweep::Sweep;
 use crate::terrain::Face;
-
-/// How the skyline of each node is looked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Method {
-    /// The fast one, with errors at few samples ([`super::sweep`]).
-    #[default]
-    Sweep,
-    /// Right to the rounding of `f32` ([`super::exact`]).
-    Exact,
-    /// As right, on a graphics device ([`super::gpu`]).
-    Gpu,
-}
-
-impl Method {
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
 
 /// A search prepared for the azimuths along one axis.
 #[derive(Debug)]
@@ -69,5 +54,18 @@ impl<'a> Search<'a> {
             Self::Exact(exact) => exact.elevations_rad(direction),
             Self::Gpu(device) => device.elevations_rad(direction)?,
         })
+    }
+
+    /// The plane of an azimuth, moved into the band that matters.
+    pub fn plane(
+        &self,
+        limits: Option<&BandLimits>,
+        settings: &Settings,
+        azimuth: usize,
+    ) -> Result<ElevationPlane, Error> {
+        let elevations_rad = self.elevations_rad(settings.direction(azimuth))?;
+        let mut plane = ElevationPlane { azimuth, stride: self.receivers().stride, elevations_rad };
+        limits.iter().for_each(|limits| limits.clamp(&mut plane));
+        Ok(plane)
     }
 }

@@ -4,11 +4,10 @@
 //! height, interpolated between the two lines beside it.
 
 use super::far::{Far, RING};
-use super::grid::LANES;
 use super::hull::{Hull, Point};
 use super::line::Line;
-use super::near::largest;
-use super::wide::Registers;
+use crate::horizon::lanes::{LANES, largest};
+use crate::horizon::wide::Registers;
 
 /// Coarse lines per coarse posting.
 const LINES: f64 = 2.0;
@@ -18,7 +17,7 @@ const NOWHERE: f32 = -1e9;
 
 /// Hulls of what a coarser level adds beyond the ring, on lines half its posting apart.
 #[derive(Debug)]
-pub struct Beyond {
+pub struct CoarserHulls {
     first_m: f64,
     spacing_m: f64,
     minor: f64,
@@ -26,7 +25,7 @@ pub struct Beyond {
     hulls: Vec<Hull>,
 }
 
-impl Beyond {
+impl CoarserHulls {
     /// The hulls of level `level` of `far`, beyond those that finer lines carry.
     pub fn new(registers: Registers, far: &Far, level: usize) -> Self {
         let (placed, finer) = (&far.levels[level], &far.levels[level - 1]);
@@ -71,8 +70,8 @@ impl Beyond {
         for line in lines[0] as usize..=last {
             let tangents = self.tangents(registers, line, x_m as f32, observers_m);
             for lane in 0..LANES {
-                let share = 1.0 - (lines[lane] - line as f64).abs() as f32;
-                slopes[lane] += if share > 0.0 { share * tangents[lane] } else { 0.0 };
+                let fraction = 1.0 - (lines[lane] - line as f64).abs() as f32;
+                slopes[lane] += if fraction > 0.0 { fraction * tangents[lane] } else { 0.0 };
             }
         }
         slopes

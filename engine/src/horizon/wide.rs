@@ -111,20 +111,20 @@ fn larger_of_avx512(numbers: &[f32; 32], others: &[f32; 32]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::angle::{Place, elevations_rad};
-    use super::super::grid::LANES;
     use super::*;
+    use crate::horizon::lanes::LANES;
+    use crate::horizon::sweep::angle::{ReceiverRow, elevations_rad};
 
     #[test]
     fn wide_registers_do_not_change_a_bit() {
-        let place = Place { major: -0.013, minor: 0.02, spacing: 1.1e-5, direction: [0.8, -0.6], end: [0.1, -0.1] };
+        let row = ReceiverRow { major: -0.013, minor: 0.02, spacing: 1.1e-5, direction: [0.8, -0.6], end: [0.1, -0.1] };
         for step in -50..50_i16 {
             let slopes: [f32; LANES] = std::array::from_fn(|i| 0.037 * f32::from(step) + 0.0013 * i as f32);
             let heights: [f32; LANES] = std::array::from_fn(|i| 1e-4 * f32::from(step) + 3e-6 * i as f32);
-            let plain = elevations_rad(&place, &heights, &slopes);
+            let plain = elevations_rad(&row, &heights, &slopes);
             let wide = wide(
                 #[inline(always)]
-                || elevations_rad(&place, &heights, &slopes),
+                || elevations_rad(&row, &heights, &slopes),
             );
             assert_eq!(plain.map(f32::to_bits), wide.map(f32::to_bits));
         }

@@ -23,12 +23,12 @@ const STRIP: usize = 64;
 
 /// Where a map's texels are.
 #[derive(Debug)]
-pub enum Shelf {
+pub enum TexelStore {
     Memory(HorizonMap),
     /// A map without texels, and the file that has them, level by level.
     Disk {
         map: HorizonMap,
-        /// Never committed: it goes with the shelf, or after a kill as all temporary files go.
+        /// Never committed: it goes with the store, or after a kill as all temporary files go.
         file: NewFile,
     },
 }
@@ -43,7 +43,7 @@ pub struct Strip<'a> {
     pub first: usize,
 }
 
-impl Shelf {
+impl TexelStore {
     /// Puts a map's texels into a temporary file beside `path`.
     pub fn on_disk(mut map: HorizonMap, path: &Path) -> Result<Self, Error> {
         let written = || -> io::Result<NewFile> {
@@ -129,17 +129,17 @@ mod tests {
         let directions = [DVec2::Y, DVec2::from_angle(0.4)];
         for encoding in [Encoding::Fm16, Encoding::F8, Encoding::Raw12, Encoding::W21] {
             let map = noise(encoding, 21, 3 * STRIP + 5);
-            let shelf = Shelf::on_disk(map.clone(), &folder.path().join("texels")).unwrap();
+            let store = TexelStore::on_disk(map.clone(), &folder.path().join("texels")).unwrap();
             let whole = Decoder::new(&map, &directions);
             let mut next = 0;
-            for strip in shelf.strips().map(Result::unwrap) {
+            for strip in store.strips().map(Result::unwrap) {
                 let decoder = Decoder::new(&strip.map, &directions);
                 assert_eq!(strip.rows.start, next);
                 next = strip.rows.end;
                 assert!(strip.rows.clone().all(|row| decoder.row(row - strip.first) == whole.row(row)), "{encoding}");
             }
             assert_eq!(next, map.rows);
-            assert!(shelf.take().unwrap() == map);
+            assert!(store.take().unwrap() == map);
         }
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
-//! What limits it, in shares of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven
+//! What limits it, in fractions of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven
 //! scenes), patches of 96² nodes, beside exact series at full resolution (numerical experiment):
 //!
 //! | scene | 31 harmonics | 47 | 63 | `w21` without gains and companding | companded | with both |
@@ -36,12 +36,14 @@
 
 use rayon::prelude::*;
 
+use super::gain;
+use super::group::Group;
 use super::quantiser::{MAX_WIDTH, Quantiser, quantisers};
 use super::residual::{Means, Residual, box_means, sharpened};
 use super::texels::{Choice, quantise};
-use super::{Group, gain};
-use crate::horizon::pack::water::{GAIN_BITS, gain as factor};
-use crate::horizon::pack::{Encoding, Field, Page, Texels};
+use crate::horizon::pack::bit_fields::gain as factor;
+use crate::horizon::pack::encoding::GAIN_BITS;
+use crate::horizon::pack::{BitField, Encoding, Page, Texels};
 
 /// Counts changes of what is chosen here: part of a tile's key.
 pub const REVISION: u8 = 5;
@@ -55,7 +57,7 @@ const ROUNDS: usize = 5;
 const LEAST_WEIGHT: f64 = 1e-3;
 
 /// Texels and fields of the pyramid for coefficients at full resolution.
-pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>>) {
+pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<BitField>>) {
     let pages = encoding.pages();
     let reals = sums.iter().map(|group| group.reals).sum();
     let coarse = |page: &Page| sums.iter().map(|group| sharpened(&box_means(group, page.scale))).collect();
@@ -67,7 +69,7 @@ pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<Field>
     for round in 0..ROUNDS {
         let mut coarser: Vec<Group> = Vec::new();
         let mut levels = Vec::new();
-        let mut fields: Vec<Vec<Field>> = Vec::new();
+        let mut fields: Vec<Vec<BitField>> = Vec::new();
         for page in (0..pages.len()).rev() {
             let residual = Residual { reals, means: means(page), coarser: &coarser };
             let values_rad = measured(&residual);
@@ -95,7 +97,7 @@ fn base_weights(reals: usize) -> Vec<f64> {
 
 /// Weighs each page's errors by what the finer ones leave of them, half way from the weights before: with the new ones
 /// alone pages would take turns in leaving a coefficient to each other.
-fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<Field>]) {
+fn weigh(weights: &mut [Vec<f64>], fields: &[Vec<BitField>]) {
     let mut weight = base_weights(weights[0].len());
     for (weights, fields) in weights.iter_mut().zip(fields) {
         weights.iter_mut().zip(&weight).for_each(|(before, left)| *before = (*before * left).sqrt());
@@ -124,13 +126,13 @@ fn measured(residual: &Residual) -> Vec<Vec<f32>> {
 }
 
 /// The gains that fields ask for in measured texels.
-fn regained(fields: &[Field], weights: &[f64], values_rad: &[Vec<f32>]) -> Vec<f32> {
+fn regained(fields: &[BitField], weights: &[f64], values_rad: &[Vec<f32>]) -> Vec<f32> {
     let of_fields: Vec<&[f32]> = fields.iter().map(|field| values_rad[field.real].as_slice()).collect();
     gain::best(fields, weights, &of_fields, values_rad[0].len()).into_iter().map(factor).collect()
 }
 
 /// The fields of a page of so many words, for residuals and gains of measured texels.
-fn allocate(values_rad: &[Vec<f32>], gains: &[f32], weights: &[f64], words: usize) -> Vec<Field> {
+fn allocate(values_rad: &[Vec<f32>], gains: &[f32], weights: &[f64], words: usize) -> Vec<BitField> {
     let choices: Vec<_> = values_rad.par_iter().map(|values_rad| quantisers(values_rad, gains)).collect();
     let worth = |real: usize, width: usize, more: usize| {
         let [before, after] = [width, width + more].map(|width| choices[real][width].error_rad2);
@@ -161,7 +163,7 @@ fn allocate(values_rad: &[Vec<f32>], gains: &[f32], weights: &[f64], words: usiz
     let field = |(real, &(word, shift)): (usize, &(usize, u32))| {
         let width = widths[real];
         let Quantiser { step_rad, offset_rad, bias, .. } = choices[real][width];
-        (width > 0).then_some(Field { real, word, shift, width: width as u32, step_rad, offset_rad, bias })
+        (width > 0).then_some(BitField { real, word, shift, width: width as u32, step_rad, offset_rad, bias })
     };
     places.iter().enumerate().filter_map(field).collect()
 }
@@ -187,7 +189,7 @@ mod tests {
     use super::super::residual::corner;
     use super::super::sums::Sums;
     use super::*;
-    use crate::horizon::pack::water::gain_of;
+    use crate::horizon::pack::bit_fields::gain_of;
 
     /// Ground of little relief with a rim of a hundredfold residual at one node in 200: the finest page's codes reach it.
     #[test]
@@ -206,7 +208,7 @@ mod tests {
         let (levels, fields) = pyramid(Encoding::W21, std::slice::from_ref(&group));
         let pages = Encoding::W21.pages();
         let decoded = |real: usize, column: usize, row: usize| {
-            let page = |((level, page), fields): ((&Texels, &Page), &Vec<Field>)| {
+            let page = |((level, page), fields): ((&Texels, &Page), &Vec<BitField>)| {
                 let Some(field) = fields.iter().find(|field| field.real == real) else { return 0.0 };
                 let value = |column: usize, row: usize| {
                     let texel = level.texel(column, row);

@@ -1,0 +1,65 @@
+//! How wrong a tile's horizons are, as its header states it.
+
+use serde::{Deserialize, Serialize};
+
+/// Quantiles of absolute errors over a sample, in radians.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorStatistics {
+    pub samples: usize,
+    pub rms_rad: f64,
+    pub p50_rad: f64,
+    pub p95_rad: f64,
+    pub p99_rad: f64,
+    pub max_rad: f64,
+}
+
+impl ErrorStatistics {
+    /// Statistics of signed errors; zeros for an empty sample.
+    pub fn of(errors_rad: impl IntoIterator<Item = f64>) -> Self {
+        let mut sizes_rad: Vec<f64> = errors_rad.into_iter().map(f64::abs).collect();
+        sizes_rad.sort_by(f64::total_cmp);
+        let Some(last) = sizes_rad.len().checked_sub(1) else { return Self::default() };
+        let quantile = |fraction: f64| short(sizes_rad[(last as f64 * fraction).round() as usize]);
+        let mean_square = sizes_rad.iter().map(|e| e * e).sum::<f64>() / sizes_rad.len() as f64;
+        Self {
+            samples: sizes_rad.len(),
+            rms_rad: short(mean_square.sqrt()),
+            p50_rad: quantile(0.50),
+            p95_rad: quantile(0.95),
+            p99_rad: quantile(0.99),
+            max_rad: short(sizes_rad[last]),
+        }
+    }
+}
+
+/// A number of four digits: it reads back from text as itself.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().expect("a number printed is a number")
+}
+
+/// The errors of a tile against traced horizons, over all azimuths of a stated number of pixels. In a tile with a
+/// band, decoded, swept and traced elevations beyond it count as its ends: the errors are those that a light can show.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct TileErrors {
+    pub pixels: usize,
+    /// Of the swept profiles, before compression.
+    pub swept: ErrorStatistics,
+    /// Of the series decoded from the tile.
+    pub decoded: ErrorStatistics,
+    pub bound: BoundStatistics,
+}
+
+/// What a tile's bounds rest on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct BoundStatistics {
+    /// Azimuths at which every node was compared with the sweep.
+    pub azimuths: usize,
+    /// From the largest error there to the bound; 0 where no node was measured and no bound is known.
+    pub factor: f64,
+    /// RMS of the measured samples' errors as fractions of their nodes' bounds: times a bound, a standard deviation.
+    #[serde(rename = "rms_share")]
+    pub rms_fraction: f64,
+    /// Measured nodes, and samples of them, beyond their bound.
+    pub nodes_beyond: usize,
+    pub samples_beyond: usize,
+}
