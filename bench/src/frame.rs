@@ -11,8 +11,8 @@ use perilune_engine::pipeline::{self, Exposure, Progress};
 use perilune_engine::render::passes::Passes;
 use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Samples, Scene, ViewRays, planes};
-use perilune_engine::report::statistics::median;
 use perilune_engine::scenario::Scenario;
+use perilune_engine::statistics::median;
 
 /// What to time.
 #[derive(Debug, Clone)]

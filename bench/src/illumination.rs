@@ -251,7 +251,7 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
         let (disc, lit) = (check.disc_share, check.lit_share);
         let mut row: Vec<Value> = vec![name.as_str().into()];
         row.extend([bytes, made_s, rate * 1e-6].map(Value::from));
-        row.extend([disc.mean, disc.rms, disc.largest, lit.rms, lit.largest].map(|e| Value::from(100.0 * e)));
+        row.extend([disc.mean, disc.rms, disc.max, lit.rms, lit.max].map(|e| Value::from(100.0 * e)));
         table.rows.push(row);
     };
     for &azimuths in azimuths {

@@ -31,8 +31,8 @@ use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::Errors;
 use perilune_engine::scenario::{self, Scenario};
+use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::{Ground, Hit};
 
 /// What to compare.

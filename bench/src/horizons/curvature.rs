@@ -24,7 +24,7 @@ use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::measure::Sample;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::raster::{self, Dem, GeoTiff, GeoTiffBand};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
 use perilune_engine::terrain::{Face, Gnomonic, NestedDem, build_face};
 
@@ -34,8 +34,6 @@ const MAST_M: f64 = 500.0;
 const POSTING_M: f64 = 1000.0;
 
 /// The spheroid of Mars (IAU 2009).
-const MARS_EQUATORIAL_M: f64 = 3_396_190.0;
-const MARS_POLAR_M: f64 = 3_376_200.0;
 
 /// Heights above a body's figure at places in space.
 pub type Ground<'a> = dyn Fn(Position<BodyFixed>) -> f64 + Sync + 'a;
@@ -60,7 +58,7 @@ pub fn table() -> Table {
 
 /// The Moon and Mars as spheres and Mars as a spheroid, from models in latitude and longitude; and the polar cap, if given.
 pub fn rows(cap: Option<&Scene>, pixels: usize, azimuths: usize) -> Result<Vec<Vec<Value>>, Error> {
-    let spheroid = Body { equatorial_radius_m: MARS_EQUATORIAL_M, polar_radius_m: MARS_POLAR_M, ..mars() };
+    let spheroid = Body::mars();
     let cases = [
         ("Moon, equirectangular, 30° N", Body::moon(), 30.0),
         ("Mars' radius, equirectangular, 30° N", mars(), 30.0),

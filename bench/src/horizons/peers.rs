@@ -16,7 +16,7 @@ use crate::scenes::Scene;
 use crate::{Error, Table, Value};
 use perilune_engine::horizon::{Method, Settings};
 use perilune_engine::raster::{GeoTiff, GeoTiffBand};
-use perilune_engine::report::statistics::median;
+use perilune_engine::statistics::median;
 
 /// The table that [`rows`] fill.
 pub fn table() -> Table {

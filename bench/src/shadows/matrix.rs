@@ -27,8 +27,8 @@ use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Scene, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::median;
 use perilune_engine::scenario::{FixedSun, Scenario};
+use perilune_engine::statistics::median;
 
 /// Elevations of the Sun's centre in a quick run, in degrees.
 pub const QUICK_DEG: [f64; 3] = [1.5, 6.0, 15.0];

@@ -5,20 +5,22 @@ use std::path::Path;
 use gdal::errors::GdalError;
 use gdal::raster::{GdalDataType, GdalType, RasterBand};
 use glam::DVec2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::window::Window;
 use super::{Error, Georeference, Projector};
 use crate::geometry::{Body, Position};
 
-/// What the pixels of a raster mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What the numbers of an elevation model are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub enum Values {
-    /// Radii if the first valid one lies within 5 % of the body's radius, else heights.
+    /// Heights, or radii where the numbers are near the body's radius.
     #[default]
     Auto,
-    /// Metres above the body's reference spheroid.
+    /// Heights above the file's own ellipsoid.
     Height,
-    /// Metres from the body's centre.
+    /// Distances from the body's centre.
     Radius,
 }
 
@@ -102,6 +104,7 @@ impl Reader<'_> {
             return Ok(());
         }
         let radius_m = self.body.equatorial_radius_m;
+        // Within a twentieth of the body's radius.
         self.values = if (value / radius_m - 1.0).abs() < 0.05 {
             Values::Radius
         } else if (value / radius_m).abs() < 0.05 {

@@ -6,6 +6,7 @@ use super::check::Check;
 use super::error::Fault;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
+use super::text;
 use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
 use crate::dataset::Format;
 use crate::labels::{Limits, Wanted};
@@ -221,7 +222,7 @@ fn detector(camera: &spec::Camera, detector: Option<Detector>, check: &mut Check
 pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Check) -> Outputs {
     let planes = &spec.outputs.planes;
     for (index, plane) in planes.iter().enumerate() {
-        let (key, name) = (format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")));
+        let (key, name) = (format!("outputs.planes[{index}]"), text::name(plane));
         let twice = planes[..index].contains(plane);
         check.rule(!twice, &key, &name, "is listed twice");
         let counted = matches!(plane, Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber);
@@ -232,13 +233,17 @@ pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Che
     let band = spec.camera.band_nm.is_some() || spec.camera.response.is_some();
     for (index, plane) in planes.iter().enumerate().filter(|(_, plane)| plane.is_spectral()) {
         let key = format!("outputs.planes[{index}]");
-        check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
+        check.needs(
+            band,
+            &key,
+            format!("needs camera.band_nm or camera.response: {} is per nanometre", text::name(plane)),
+        );
     }
     let formats = &spec.outputs.formats;
     for (index, format) in formats.iter().enumerate() {
         let twice = formats[..index].contains(format);
         let key = format!("outputs.formats[{index}]");
-        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        check.rule(!twice, &key, text::name(format), "is listed twice");
         let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
         let on_map = matches!(format, Format::GeoTiff);
         let at_once = camera.shutter == Shutter::Global;
@@ -279,15 +284,4 @@ pub fn landmarks(spec: &Spec, camera: &Camera, check: &mut Check) -> Option<Land
 pub fn hazards(written: &spec::Hazards) -> Limits {
     let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
     Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
-}
-
-fn snake_case(name: &str) -> String {
-    let mut snake = String::new();
-    for char in name.chars() {
-        if char.is_uppercase() && !snake.is_empty() {
-            snake.push('_');
-        }
-        snake.extend(char.to_lowercase());
-    }
-    snake
 }

@@ -24,3 +24,8 @@ fn first_letter_lower(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map(|first| first.to_lowercase().collect::<String>() + chars.as_str()).unwrap_or_default()
 }
+
+/// A choice as it is written in scenarios.
+pub fn name(choice: &impl serde::Serialize) -> String {
+    ron::to_string(choice).unwrap_or_default()
+}

@@ -134,7 +134,3 @@ pub fn height_at(dem: &Dem, latitude_deg: f64, longitude_deg: f64) -> f64 {
     let point = Body::moon().position_from_geodetic(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0));
     dem.height_m(dem.georeference.projector().unwrap().pixels(&[point])[0])
 }
-
-pub fn mars() -> Body {
-    Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
-}

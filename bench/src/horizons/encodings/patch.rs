@@ -16,7 +16,7 @@ use perilune_engine::horizon::header::Header;
 use perilune_engine::horizon::store;
 use perilune_engine::horizon::sweep::Sweep;
 use perilune_engine::horizon::{Encoding, HorizonMap, Request, Settings};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 /// Elevation of the Suns of the images whose similarity is measured, the first of them and every how many one is: between
 /// the azimuths that the sampled encodings hold, multiples of 22.5°, 30° and 45°.

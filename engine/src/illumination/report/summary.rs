@@ -3,9 +3,10 @@
 use super::results::{AreaResult, PlaceResult};
 use super::{pictures, plots};
 use crate::illumination::area::{AreaSummary, MinMeanMax};
-use crate::illumination::check::{Check, Errors};
+use crate::illumination::check::Check;
 use crate::illumination::{Maps, Track};
 use crate::report::{Error, Machine, Report, Table, Value};
+use crate::statistics::Errors;
 
 /// What a study found: its maps, areas and places.
 #[derive(Debug)]
@@ -128,11 +129,11 @@ fn check_table(check: &Check) -> Table {
     let columns = [("map", ""), ("mean", "%"), ("RMS", "%"), ("largest", "%")];
     let title = format!("Maps less traced skylines at {} nodes", check.nodes);
     let mut table = Table::new("check", &title, &columns);
-    for (name, Errors { mean, rms, largest }) in
+    for (name, Errors { mean, rms, max, .. }) in
         [("lit", check.lit_share), ("share of the disc", check.disc_share), ("Earth in sight", check.earth_share)]
     {
         let mut row: Vec<Value> = vec![name.into()];
-        row.extend([mean, rms, largest].map(|error| Value::from(100.0 * error)));
+        row.extend([mean, rms, max].map(|error| Value::from(100.0 * error)));
         table.rows.push(row);
     }
     table

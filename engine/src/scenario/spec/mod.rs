@@ -11,6 +11,7 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::raster::Values;
 use crate::render::ViewRays;
 
 pub use camera::{
@@ -21,7 +22,7 @@ pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use surface::{Albedo, Photometry, Surface};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
-pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, ShadowPreset, Shadows, Terrain, Values};
+pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, ShadowPreset, Shadows, Terrain};
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

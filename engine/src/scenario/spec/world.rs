@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::horizon::Encoding;
+use crate::raster::Values;
 use crate::shadow::{At, Edge, Visibility};
 
 /// The body that is seen.
@@ -159,18 +160,6 @@ pub enum Dem {
 
 fn default_most_tiles() -> u32 {
     96
-}
-
-/// What the numbers of an elevation model are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum Values {
-    /// Heights, or radii where the numbers are near the body's radius.
-    #[default]
-    Auto,
-    /// Heights above the file's own ellipsoid.
-    Height,
-    /// Distances from the body's centre.
-    Radius,
 }
 
 /// How horizons are computed.
