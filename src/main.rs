@@ -24,6 +24,8 @@ First steps:
   sim run lunar_descent.ron           24 images of a descent, into output/lunar_descent
   sim check mine.ron                  all that is wrong with a scenario, without running it
   sim inspect output/lunar_descent    what was made, and whether it is whole
+  sim scenarios                       what comes with the program
+  sim scenarios lunar_descent > mine.ron   a copy to change
   sim schema                          all that a scenario can say
 
 Exit codes: 0 done, 1 an error, 2 wrong arguments";
@@ -38,6 +40,7 @@ enum Command {
     Inspect(cli::inspect::Args),
     Kernels(cli::kernels::Args),
     Run(cli::run::Args),
+    Scenarios(cli::scenarios::Args),
     Schema(cli::schema::Args),
     Sun(cli::sun::Args),
     Terrain(cli::terrain::Args),
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => cli::inspect::run(args),
         Command::Kernels(args) => cli::kernels::run(args),
         Command::Run(args) => cli::run::run(args),
+        Command::Scenarios(args) => cli::scenarios::run(args),
         Command::Schema(args) => cli::schema::run(args),
         Command::Sun(args) => cli::sun::run(args),
         Command::Terrain(args) => cli::terrain::run(args),

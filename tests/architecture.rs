@@ -149,7 +149,7 @@ fn modules_use_only_what_lies_below_them() {
 }
 
 /// Modules whose files are in no circle.
-const WITHOUT_CIRCLES: [&str; 18] = [
+const WITHOUT_CIRCLES: [&str; 19] = [
     "camera",
     "compare",
     "dataset",
@@ -163,6 +163,7 @@ const WITHOUT_CIRCLES: [&str; 18] = [
     "image_metrics",
     "labels",
     "photometry",
+    "pipeline",
     "raster",
     "report",
     "scenario",

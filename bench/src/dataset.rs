@@ -17,8 +17,6 @@ use super::shadows::reduced;
 use super::{Error, Machine, Report, Table, Value};
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, AdapterChoice, Progress, Stages};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer};
 use perilune_engine::report::machine::process_seconds;
 use perilune_engine::scenario::Scenario;
@@ -112,17 +110,12 @@ fn rendered(scenario: &Scenario, chosen: &Range<usize>, options: &Options) -> Re
     let gpu = Gpu::open(Adapter::Auto).ok();
     let mut prepared = pipeline::prepare(scenario, &options.cache, &pipeline::Silent)?;
     let scene = pipeline::scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
-    let mut passes = gpu.as_ref().map(Passes::new);
-    let mut reference = Reference;
-    let renderer: &mut dyn Renderer = match &mut passes {
-        Some(passes) => passes,
-        None => &mut reference,
-    };
+    let mut session = Renderer::on_any(gpu.as_ref()).session(&scene)?;
     // The first image uploads the terrain.
-    renderer.samples(&scene, &prepared.exposures[chosen.start].view)?;
+    session.samples(&prepared.exposures[chosen.start].view)?;
     let (clock, cpu_s) = (Instant::now(), process_seconds());
     for exposure in &prepared.exposures[chosen.start + 1..chosen.end] {
-        renderer.samples(&scene, &exposure.view)?;
+        session.samples(&exposure.view)?;
     }
     let images = (chosen.len() - 1) as f64;
     Ok(Cost { wall_s: clock.elapsed().as_secs_f64() / images, cpu_s: cpu_since(cpu_s) / images })

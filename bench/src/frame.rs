@@ -8,9 +8,7 @@ use super::{Error, Machine, Report, Table, Value};
 use perilune_engine::dataset::write_exr;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Exposure, Progress};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
-use perilune_engine::render::{Quantity, Renderer, Samples, Scene, ViewRays, planes};
+use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, View, ViewRays, planes};
 use perilune_engine::scenario::Scenario;
 use perilune_engine::statistics::median;
 
@@ -65,20 +63,17 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 
     let (mut prepared, rows) = stages_of(scenario, options, progress)?;
     stages.rows = rows;
+
+    let scene = pipeline::scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
     progress.begin("rendering", 2 * SIZES.len(), "series");
     for size in SIZES {
         let mut sized = reduced(scenario, size);
         sized.camera.samples_per_pixel = scenario.camera.samples_per_pixel;
         for quantities in [vec![Quantity::Radiance], scenario.outputs.planes.clone()] {
             sized.outputs.planes = quantities;
-            let scene = pipeline::scene(&sized, &mut prepared, &options.cache, &pipeline::Silent)?;
-            let mut passes = gpu.as_ref().map(Passes::new);
-            let mut reference = Reference;
-            let renderer: &mut dyn Renderer = match &mut passes {
-                Some(passes) => passes,
-                None => &mut reference,
-            };
-            images.rows.push(series(renderer, &scene, &prepared.exposures[chosen.clone()], options.repeat)?);
+            let mut session = Renderer::on_any(gpu.as_ref()).session(&scene)?;
+            let views = views(&sized, &prepared.exposures[chosen.clone()])?;
+            images.rows.push(series(&mut session, &views, options.repeat)?);
             progress.at(images.rows.len(), 2 * SIZES.len());
         }
     }
@@ -88,11 +83,11 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
             let mut sized = reduced(scenario, size);
             sized.camera.samples_per_pixel = scenario.camera.samples_per_pixel;
             sized.outputs.planes = vec![Quantity::Radiance];
-            let mut scene = pipeline::scene(&sized, &mut prepared, &options.cache, &pipeline::Silent)?;
-            rays.rows.extend(view_rays(gpu, &mut scene, &prepared.exposures[chosen.clone()], options.repeat)?);
+            let views = views(&sized, &prepared.exposures[chosen.clone()])?;
+            rays.rows.extend(view_rays(gpu, &scene, &views, options.repeat)?);
         }
     }
-    let adapter = gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe);
+    let adapter = Renderer::on_any(gpu.as_ref()).adapter();
     Ok(Report {
         name: "frame",
         title: format!("Images of {}, exposures {}..{}", scenario.name, chosen.start, chosen.end),
@@ -135,6 +130,19 @@ fn notes(adapter: &str, repeat: usize) -> Vec<String> {
     ]
 }
 
+/// The views of some exposures by a scenario's own camera.
+fn views(scenario: &Scenario, exposures: &[Exposure]) -> Result<Vec<View>, Error> {
+    let view = |Exposure { view, .. }: &Exposure| {
+        let sized = pipeline::scene::view(scenario, view.pose(), view.lights.clone())?;
+        Ok(View { exposure: view.exposure, ..sized })
+    };
+    exposures.iter().map(view).collect()
+}
+
+fn pixels(view: &View) -> f64 {
+    f64::from(view.optics.columns) * f64::from(view.optics.rows)
+}
+
 /// Ways to find the first ground along a ray, the exact one first.
 const VIEW_RAYS: [(&str, ViewRays); 4] = [
     ("exact", ViewRays::Exact),
@@ -144,31 +152,29 @@ const VIEW_RAYS: [(&str, ViewRays); 4] = [
 ];
 
 /// Time of each way, in turns, and where its radiance is not that of the exact one.
-fn view_rays(gpu: &Gpu, scene: &mut Scene, exposures: &[Exposure], repeat: usize) -> Result<Vec<Vec<Value>>, Error> {
-    let mut renderers = VIEW_RAYS.map(|_| Passes::new(gpu));
+fn view_rays(gpu: &Gpu, scene: &Scene, views: &[View], repeat: usize) -> Result<Vec<Vec<Value>>, Error> {
+    let session = |(_, rays): &(&str, ViewRays)| Renderer::on(gpu).session(&scene.clone().with_view_rays(*rays));
+    let mut sessions = VIEW_RAYS.iter().map(session).collect::<Result<Vec<_>, _>>()?;
     let mut laps: [Vec<f64>; VIEW_RAYS.len()] = Default::default();
     let mut other = [0; VIEW_RAYS.len()];
-    for exposure in exposures {
+    for view in views {
         let mut exact = None;
-        for (way, (_, rays)) in VIEW_RAYS.into_iter().enumerate() {
-            scene.view_rays = rays;
-            // The first image uploads the terrain.
-            let samples = renderers[way].samples(scene, &exposure.view)?;
+        for (way, session) in sessions.iter_mut().enumerate() {
+            let samples = session.samples(view)?;
             other[way] += others(exact.get_or_insert_with(|| samples.clone()), &samples);
         }
         for _ in 0..repeat {
-            for (way, (_, rays)) in VIEW_RAYS.into_iter().enumerate() {
-                scene.view_rays = rays;
+            for (way, session) in sessions.iter_mut().enumerate() {
                 let clock = Instant::now();
-                renderers[way].samples(scene, &exposure.view)?;
+                session.samples(view)?;
                 laps[way].push(lap(clock));
             }
         }
     }
-    let pixels = f64::from(scene.optics.columns) * f64::from(scene.optics.rows);
+    let pixels = views.first().map_or(0.0, pixels);
     let times = laps.map(|laps| median(laps).unwrap_or(f64::NAN));
     let rows = VIEW_RAYS.iter().zip(times).zip(other).map(|(((name, _), all), other)| {
-        let share = other as f64 / (pixels * exposures.len() as f64);
+        let share = other as f64 / (pixels * views.len() as f64);
         vec![
             pixels.into(),
             (*name).into(),
@@ -189,24 +195,19 @@ fn others(exact: &Samples, tried: &Samples) -> usize {
 }
 
 /// Medians over some exposures, as a row of the table.
-fn series(
-    renderer: &mut dyn Renderer,
-    scene: &Scene,
-    exposures: &[Exposure],
-    repeat: usize,
-) -> Result<Vec<Value>, Error> {
-    // The first image uploads the terrain.
-    renderer.samples(scene, &exposures[0].view)?;
+fn series(session: &mut Session, views: &[View], repeat: usize) -> Result<Vec<Value>, Error> {
+    // The first image compiles the program.
+    session.samples(&views[0])?;
     let path = std::env::temp_dir().join(format!("perilune-bench-{}.exr", std::process::id()));
     let mut laps: [Vec<f64>; 5] = Default::default();
     let mut bytes = 0;
-    for exposure in exposures.iter().cycle().take(repeat * exposures.len()) {
+    for view in views.iter().cycle().take(repeat * views.len()) {
         let clock = Instant::now();
-        let samples = renderer.samples(scene, &exposure.view)?;
+        let samples = session.samples(view)?;
         let rendered = lap(clock);
-        let device = renderer.device_time().map_or(f64::NAN, |time| time.as_secs_f64());
+        let device = session.device_time().map_or(f64::NAN, |time| time.as_secs_f64());
         let planes_clock = Instant::now();
-        let image = planes::image(scene, &exposure.view, &samples);
+        let image = planes::image(session.scene(), view, &samples);
         let planes = lap(planes_clock);
         let writing_clock = Instant::now();
         write_exr(&path, &image, &serde_json::Value::Null)?;
@@ -218,10 +219,11 @@ fn series(
     // What cannot be removed is the temporary folder's to clear.
     let _ = std::fs::remove_file(&path);
     let [all, device, readback, planes, writing] = laps.map(|laps| median(laps).unwrap_or(f64::NAN));
-    let pixels = f64::from(scene.optics.columns) * f64::from(scene.optics.rows);
-    let rays = (scene.samples_per_side * scene.samples_per_side) as f64;
+    let view = &views[0];
+    let pixels = pixels(view);
+    let rays = (view.samples_per_side * view.samples_per_side) as f64;
     let mut row: Vec<Value> = [pixels, rays].map(Value::from).to_vec();
-    row.push(if scene.needs_centres() { "with ground truth" } else { "radiance" }.into());
+    row.push(if session.scene().needs_centres(view) { "with ground truth" } else { "radiance" }.into());
     let times = [all, device, readback, planes, writing, bytes as f64 / 1_048_576.0, 1.0 / (all - writing), 1.0 / all];
     row.extend(times.map(Value::from));
     Ok(row)

@@ -25,10 +25,8 @@ use methods::{Workshop, outside_domain};
 use perilune_engine::geometry::Position;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Prepared, Progress};
-use perilune_engine::render::passes::Passes;
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::reference::Reference;
-use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, Shadows, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
 use perilune_engine::scenario::{self, Scenario};
@@ -221,8 +219,8 @@ fn render_all(
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
     let (mut trials, mut left_out) = (Vec::new(), Vec::new());
     for name in methods {
-        scene.shadows = match workshop.shadows(name, progress) {
-            Ok(shadows) => shadows,
+        scene = match workshop.shadows(name, progress) {
+            Ok(shadows) => scene.with_shadows(shadows),
             Err(error) => {
                 left_out.push(outside_domain(name, error)?);
                 continue;
@@ -231,24 +229,26 @@ fn render_all(
         progress.begin(&format!("rendering, {name}"), 1, "image");
         trials.push(match &gpu {
             Some(gpu) => on_device(name, gpu, &scene, view)?,
-            None => trial(format!("{name}, reference"), &mut Reference, &scene, view)?,
+            None => trial(format!("{name}, reference"), &mut Renderer::Reference.session(&scene)?, view)?,
         });
     }
-    scene.shadows = Shadows::Traced(workshop.settings);
+    let scene = scene.with_shadows(Shadows::Traced(workshop.settings));
     // Asks for the hits of the pixels' centres.
-    scene.quantities = vec![Quantity::DemGap];
+    let view = &view.clone().with_quantities([Quantity::DemGap]);
     progress.begin("rendering, traced", 1, "image");
-    let truth = trial("traced, reference".into(), &mut Reference, &scene, view)?;
+    let truth = trial("traced, reference".into(), &mut Renderer::Reference.session(&scene)?, view)?;
     Ok((truth, trials, left_out))
 }
 
 /// The second of two images; the first one, under a Sun a little off, uploads the terrain. Skylines are found anew for the
 /// second.
 fn on_device(method: &str, gpu: &Gpu, scene: &Scene, view: &View) -> Result<Trial, Error> {
-    let mut passes = Passes::new(gpu);
-    let first = trial(String::new(), &mut passes, scene, &elsewhere(view))?;
-    let second = trial(format!("{method}, device"), &mut passes, scene, view)?;
-    Ok(Trial { first_seconds: Some(first.seconds), ..second })
+    let start = Instant::now();
+    let mut session = Renderer::on(gpu).session(scene)?;
+    let uploaded_s = start.elapsed().as_secs_f64();
+    let first = trial(String::new(), &mut session, &elsewhere(view))?;
+    let second = trial(format!("{method}, device"), &mut session, view)?;
+    Ok(Trial { first_seconds: Some(uploaded_s + first.seconds), ..second })
 }
 
 /// The view with its lights moved by more than the raster on which they are held still, and less than matters.
@@ -260,10 +260,10 @@ fn elsewhere(view: &View) -> View {
     view
 }
 
-fn trial(method: String, renderer: &mut dyn Renderer, scene: &Scene, view: &View) -> Result<Trial, Error> {
+fn trial(method: String, session: &mut Session, view: &View) -> Result<Trial, Error> {
     let start = Instant::now();
-    let samples = renderer.samples(scene, view)?;
-    let device_seconds = renderer.device_time().map(|time| time.as_secs_f64());
+    let samples = session.samples(view)?;
+    let device_seconds = session.device_time().map(|time| time.as_secs_f64());
     Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), first_seconds: None, device_seconds })
 }
 

@@ -8,6 +8,8 @@
 
 mod depth;
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use bytemuck::Pod;
 use wgpu::util::DeviceExt;
 
@@ -41,13 +43,13 @@ pub enum Adapter {
     Cpu,
 }
 
-/// An open device.
-#[derive(Debug)]
+/// An open device. Its clones share it, also between threads.
+#[derive(Debug, Clone)]
 pub struct Gpu {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub info: wgpu::AdapterInfo,
-    timer: Option<Timer>,
+    timer: Option<Arc<Timer>>,
 }
 
 /// Two timestamps around a pass, and where they are resolved to.
@@ -56,6 +58,8 @@ struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     seconds_per_tick: f64,
+    /// Held from a pass to the reading of its timestamps: another thread's pass would write over them.
+    busy: Mutex<()>,
 }
 
 impl Gpu {
@@ -71,7 +75,7 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|source| GpuError::NoDevice { adapter: info.name.clone(), source })?;
-        let timer = Timer::new(&device, &queue);
+        let timer = Timer::new(&device, &queue).map(Arc::new);
         Ok(Self { device, queue, info, timer })
     }
 
@@ -166,22 +170,24 @@ impl Gpu {
     /// the device can tell them.
     pub fn run(&self, pipeline: &wgpu::ComputePipeline, buffers: &[&wgpu::Buffer], groups: [u32; 3]) -> Option<f64> {
         let bind_group = self.bindings(&pipeline.get_bind_group_layout(0), buffers);
+        let timer = self.timer.as_deref();
+        let _busy = timer.map(|timer| timer.busy.lock().unwrap_or_else(PoisonError::into_inner));
         let mut encoder = self.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: None,
-                timestamp_writes: self.timer.as_ref().map(Timer::writes),
+                timestamp_writes: timer.map(Timer::writes),
             });
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &bind_group, &[]);
             pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
         }
-        if let Some(timer) = &self.timer {
+        if let Some(timer) = timer {
             encoder.resolve_query_set(&timer.queries, 0..2, &timer.resolved, 0);
         }
         self.queue.submit([encoder.finish()]);
-        let ticks: Vec<u64> = self.read(&self.timer.as_ref()?.resolved).ok()?;
-        Some(ticks[1].saturating_sub(ticks[0]) as f64 * self.timer.as_ref()?.seconds_per_tick)
+        let ticks: Vec<u64> = self.read(&timer?.resolved).ok()?;
+        Some(ticks[1].saturating_sub(ticks[0]) as f64 * timer?.seconds_per_tick)
     }
 
     fn bindings(&self, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
@@ -217,6 +223,7 @@ impl Timer {
                 mapped_at_creation: false,
             }),
             seconds_per_tick: f64::from(queue.get_timestamp_period()) * 1e-9,
+            busy: Mutex::new(()),
         })
     }
 

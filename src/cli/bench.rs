@@ -158,6 +158,7 @@ struct Output {
 
 impl Output {
     /// Writes reports that are not whole yet where the whole one will lie.
+    #[allow(clippy::result_large_err)]
     fn publish(&self) -> impl Fn(&Report) -> Result<(), perilune_bench::Error> {
         |report| Ok(report.write(&self.output).map(drop)?)
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use perilune_engine::ephemeris::{Almanac, EphemerisError, default_kernel_folder};
+use perilune_engine::ephemeris::{Almanac, EphemerisError};
 use perilune_engine::scenario::{self, Scenario, ScenarioError};
 
 use super::about;
@@ -35,7 +35,7 @@ pub struct Kernels {
 impl Kernels {
     pub fn almanac(&self) -> Result<Almanac, EphemerisError> {
         match self.kernels[..] {
-            [] => Almanac::default_kernels(&default_kernel_folder()),
+            [] => Almanac::default_kernels(),
             _ => Almanac::load(&self.kernels),
         }
     }

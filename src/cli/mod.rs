@@ -4,6 +4,8 @@ use std::error::Error;
 use std::io::Write as _;
 
 use perilune_engine::geometry::Geodetic;
+use perilune_engine::pipeline;
+use perilune_engine::render::RenderError;
 
 pub mod bars;
 pub mod bench;
@@ -15,6 +17,7 @@ pub mod illuminate;
 pub mod inspect;
 pub mod kernels;
 pub mod run;
+pub mod scenarios;
 pub mod schema;
 pub mod sun;
 pub mod terrain;
@@ -69,6 +72,17 @@ pub fn chain(error: &dyn Error) -> String {
 /// Other libraries break their messages.
 fn one_line(error: &dyn Error) -> String {
     error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}
+
+/// An error of the pipeline, with the flag that has to do with it.
+pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
+    let flag = match &error {
+        pipeline::Error::NoSuchExposures { .. } => "--frames",
+        pipeline::Error::NoTiles { .. } => "--tiles",
+        pipeline::Error::Render(RenderError::BufferTooLarge { .. } | RenderError::TracedOnGpu) => "--adapter cpu",
+        _ => return Box::new(error),
+    };
+    format!("{} (see {flag})", chain(&error)).into()
 }
 
 #[cfg(test)]

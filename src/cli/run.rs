@@ -7,7 +7,7 @@ use perilune_engine::pipeline::{self, AdapterChoice, Options, Report, Stages};
 
 use super::bars::Bars;
 use super::common::Files;
-use super::{Outcome, print_line};
+use super::{Outcome, print_line, with_flag};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
 ///
@@ -82,7 +82,7 @@ pub fn run(args: Args) -> Outcome {
         adapter: args.adapter.into(),
     };
     let bars = Bars::new();
-    let report = pipeline::run(&scenario, &options, &bars)?;
+    let report = pipeline::run(&scenario, &options, &bars).map_err(with_flag)?;
     bars.clear();
     if args.json {
         print_line(serde_json::to_string_pretty(&report)?)?;

@@ -7,7 +7,6 @@ use perilune_bench::shadows::methods::{SLOW, USUAL};
 use perilune_bench::shadows::{Options, compare, reduced, run};
 use perilune_engine::geometry::Position;
 use perilune_engine::pipeline::{self, Silent};
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Shadows};
 use perilune_engine::report::Value;
 use perilune_engine::scenario::{self, Scenario};
@@ -70,9 +69,9 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
     let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
     let mut scene = pipeline::scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
-    scene.shadows = Shadows::Traced(Default::default());
+    scene = scene.with_shadows(Shadows::Traced(Default::default()));
     let mut view = prepared.exposures[0].view.clone();
-    let truth = Reference.samples(&scene, &view).unwrap().pixels;
+    let truth = Renderer::Reference.samples(&scene, &view).unwrap().pixels;
     let (ground, full_w_m2) = (vec![true; truth.len()], view.lights[0].irradiance_w_m2);
     let same = compare(&truth, &truth, &ground, full_w_m2);
     assert_eq!((same.agreement, same.irradiance.max), (1.0, 0.0));
@@ -80,7 +79,7 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     // A quarter turn about the axis of the Moon, which stands 1° from the zenith here.
     let sun = view.lights[0].position.vector_m();
     view.lights[0].position = Position::from_m(glam::DVec3::new(-sun.y, sun.x, sun.z));
-    let turned = Reference.samples(&scene, &view).unwrap().pixels;
+    let turned = Renderer::Reference.samples(&scene, &view).unwrap().pixels;
     let other = compare(&truth, &turned, &ground, full_w_m2);
     assert!(other.agreement < 0.9 && other.irradiance.rms > 0.02, "{other:?}");
 }

@@ -57,8 +57,7 @@ fn a_planted_error_is_a_failure() {
     case.views[0].lights[0] =
         perilune_bench::stability::scenes::sun(&map, -std::f64::consts::FRAC_PI_2, 3.25_f64.to_radians());
     assert!(matches!(outcome(case, "traced", None, &workbench).unwrap(), Outcome::Fail(_)));
-    let mut renderer = perilune_engine::render::reference::Reference;
-    let mut image = perilune_engine::render::Renderer::samples(&mut renderer, &case.scene, &case.views[0]).unwrap();
+    let mut image = perilune_engine::render::Renderer::Reference.samples(&case.scene, &case.views[0]).unwrap();
     image.pixels[7].sun_fraction = f32::NAN;
     assert_eq!(case.outcome(&[image]), Outcome::NotANumber);
 }

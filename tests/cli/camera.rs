@@ -28,7 +28,7 @@ fn scenario(camera: &str, planes: &str) -> String {
 }
 
 fn resolved(text: &str) -> Scenario {
-    let places = SearchPath { beside: ".".into(), data: Vec::new(), kernels: ".".into() };
+    let places = SearchPath { beside: ".".into(), data: Vec::new() };
     resolve(Path::new("x.ron"), text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -291,12 +291,12 @@ fn cameras_that_cannot_be_are_named_with_their_key() {
         ("isd: \"nowhere.json\"", "camera.isd = \"nowhere.json\" is not found"),
     ];
     for (camera, said) in cases {
-        let places = SearchPath { beside: "nowhere".into(), data: Vec::new(), kernels: "nowhere".into() };
+        let places = SearchPath { beside: "nowhere".into(), data: Vec::new() };
         let error = resolve(Path::new("x.ron"), &scenario(camera, "radiance"), &places, &|_| None).unwrap_err();
         assert!(error.to_string().contains(said), "{error}\nwanted: {said}");
     }
     let text = scenario("columns: 8, rows: 8, field_of_view_deg: 9", "digital_number");
-    let places = SearchPath { beside: "nowhere".into(), data: Vec::new(), kernels: "nowhere".into() };
+    let places = SearchPath { beside: "nowhere".into(), data: Vec::new() };
     let error = resolve(Path::new("x.ron"), &text, &places, &|_| None).unwrap_err().to_string();
     assert!(error.contains("outputs.planes[0] = digital_number needs a detector"), "{error}");
 }

@@ -86,7 +86,7 @@ fn a_tile_that_does_not_err_as_it_says_fails() {
 
 /// At 20° east on a polar map turned to the DEM the true and the map azimuth differ; the skyline is one.
 #[test]
-fn the_skyline_of_a_place_is_decoded_and_traced_at_true_azimuths() {
+fn a_skyline_is_decoded_and_traced_at_true_azimuths() {
     let (folder, tile) = ridge();
     let name = tile.to_str().unwrap();
     let query = ["horizon", "query", name, "ridge.tif", "--at", "-89,20", "--azimuth-step", "30"];

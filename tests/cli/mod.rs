@@ -1,5 +1,6 @@
 //! What the program says and writes.
 
+mod alone;
 mod bad_input;
 mod camera;
 mod ephemeris;

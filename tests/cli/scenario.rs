@@ -1,6 +1,6 @@
 //! The scenarios that ship, and the words of `sim check` and `sim schema`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use perilune_engine::scenario::{Dem, HeightAbove, Scenario, SearchPath, Trajectory, resolve};
@@ -19,7 +19,7 @@ fn shipped(name: &str) -> Scenario {
         std::fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
         std::fs::write(file, "").expect("a file");
     }
-    let places = SearchPath { beside: "nowhere".into(), data: vec![data.path().into()], kernels: PathBuf::new() };
+    let places = SearchPath { beside: "nowhere".into(), data: vec![data.path().into()] };
     resolve(&path, &text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 

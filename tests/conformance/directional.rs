@@ -8,7 +8,6 @@ use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::settings::direction as direction_of;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::photometry::{Facet, HorizonLine, SunAxes};
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Scene, Shadows, View};
 use perilune_engine::shadow::fan::{THREE, line_of_three};
 use perilune_engine::shadow::single_azimuth::{believed, lanes};
@@ -75,7 +74,7 @@ fn nodes_side_by_side_see_what_the_papers_loop_sees() {
 
 /// The share of the disc that each pixel sees.
 fn shares(scene: &Scene, view: &View) -> Vec<f64> {
-    Reference.samples(scene, view).unwrap().pixels.iter().map(|pixel| f64::from(pixel.sun_fraction)).collect()
+    Renderer::Reference.samples(scene, view).unwrap().pixels.iter().map(|pixel| f64::from(pixel.sun_fraction)).collect()
 }
 
 /// How often two renderings agree on whether half of the disc is seen, and their mean difference in it.
@@ -90,25 +89,25 @@ fn agreement(a: &[f64], b: &[f64]) -> (f64, f64) {
 #[test]
 fn skylines_towards_the_sun_light_what_traced_skylines_light() {
     let (mut scene, view, light) = nested();
-    scene.samples_per_side = 1;
+    let view = view.with_samples_per_side(1);
     let folder = tempfile::tempdir().unwrap();
-    scene.shadows = Shadows::Traced(Settings::default());
+    scene = scene.with_shadows(Shadows::Traced(Settings::default()));
     let truth = shares(&scene, &view);
     let swath = swath(&scene.surface, &[light], folder.path());
     let methods: [Box<dyn Towards>; 4] =
         [Box::new(swath), Box::new(sweep()), Box::new(stepping(Edge::Sloped)), Box::new(stepping(Edge::Level))];
     for method in methods {
         let name = method.name();
-        scene.shadows = Shadows::Towards(method);
+        scene = scene.with_shadows(Shadows::Towards(method));
         let (same, mean) = agreement(&truth, &shares(&scene, &view));
         println!("{name}: {same} {mean}");
         assert!(same > 0.985 && mean < 0.012, "{name}: {same} {mean}");
     }
-    scene.shadows = Shadows::Towards(Box::new(stepping(Edge::Hard)));
+    scene = scene.with_shadows(Shadows::Towards(Box::new(stepping(Edge::Hard))));
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     println!("hard: {same} {mean}");
     assert!(same > 0.98 && mean < 0.03, "hard: {same} {mean}");
-    scene.shadows = Shadows::None;
+    scene = scene.with_shadows(Shadows::None);
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     assert!(same < 0.9 && mean > 0.1, "the comparison sees no shadows at all: {same} {mean}");
 }

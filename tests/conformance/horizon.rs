@@ -16,8 +16,8 @@ fn map(encoding: Encoding) -> HorizonMap {
     let mut numbers = spread(40_000, &[(-1.0, 1.0)]).into_iter().cycle().map(|x| x[0]);
     let pages = encoding.pages();
     let fields: Vec<_> = match encoding.family() {
-        Family::Fields => pages.iter().map(|page| fields(page.words, 2 * (encoding.harmonics() + 1))).collect(),
-        Family::Halves | Family::Samples => Vec::new(),
+        Family::Quantised => pages.iter().map(|page| fields(page.words, 2 * (encoding.harmonics() + 1))).collect(),
+        Family::Fourier | Family::Sampled => Vec::new(),
     };
     let mut levels = Vec::new();
     for (index, page) in pages.into_iter().enumerate() {
@@ -26,9 +26,9 @@ fn map(encoding: Encoding) -> HorizonMap {
             for (slot, word) in texel.iter_mut().enumerate() {
                 let mut number = || numbers.next().unwrap();
                 *word = match encoding.family() {
-                    Family::Halves => pack([0, 1].map(|_| 0.2 / (1.0 + (4 * index + slot) as f32) * number())),
-                    Family::Samples => pack([0, 1].map(|_| 0.2 * number())),
-                    Family::Fields => number().to_bits().wrapping_mul(2_654_435_761),
+                    Family::Fourier => pack([0, 1].map(|_| 0.2 / (1.0 + (4 * index + slot) as f32) * number())),
+                    Family::Sampled => pack([0, 1].map(|_| 0.2 * number())),
+                    Family::Quantised => number().to_bits().wrapping_mul(2_654_435_761),
                 };
             }
         }
@@ -106,7 +106,7 @@ fn whole(map: &HorizonMap) -> Vec<Comparison> {
         move |x: &[f64]| map.horizon(DVec2::new(x[0], x[1])).evaluate_towards(DVec2::new(x[2], x[3]))
     };
     let (elevation, slope, of_profile) = (wanted(map), wanted(map), wanted(map));
-    let samples = map.encoding.family() == Family::Samples;
+    let samples = map.encoding.family() == Family::Sampled;
     // Within rounding of a sampled azimuth either piece's slope is right.
     let near_a_sample = |x: &Vec<f32>| {
         let sector = f64::from(x[2]).atan2(f64::from(x[3])) / TAU * map.encoding.samples() as f64;
@@ -361,9 +361,9 @@ fn water(map: &HorizonMap) -> Vec<Comparison> {
 
 fn comparisons(map: &HorizonMap) -> Vec<Comparison> {
     let own = match map.encoding.family() {
-        Family::Halves => halves(map),
-        Family::Samples => samples(map),
-        Family::Fields => water(map),
+        Family::Fourier => halves(map),
+        Family::Sampled => samples(map),
+        Family::Quantised => water(map),
     };
     shared(map).into_iter().chain(own).chain(whole(map)).collect()
 }

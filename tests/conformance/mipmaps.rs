@@ -1,7 +1,5 @@
 //! Runs over maximum mipmaps and light from the sky: the pass against the reference.
 
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Ambient, Renderer, Scene, Shadows};
 use perilune_engine::shadow::sky::{Harmonic, shares};
 use perilune_engine::shadow::{Mipmaps, Multiscale};
@@ -24,10 +22,10 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
         }
         for method in methods(&scene) {
             let called = format!("{name}, {method:?}");
-            scene.shadows = Shadows::Mipmaps(method);
-            let reference = Reference.samples(&scene, &view).unwrap();
-            let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
-            let agreement = compare(&scene, &reference, &pass);
+            scene = scene.with_shadows(Shadows::Mipmaps(method));
+            let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+            let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+            let agreement = compare(&view, &reference, &pass);
             println!("{called}: {agreement:?}");
             assert!(agreement.radiance >= 0.999, "{called}: {agreement:?}");
         }
@@ -38,11 +36,11 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
 fn one_mip_less_is_noticed() {
     let Some(gpu) = super::gpu() else { return };
     let (_, mut scene, view) = scenes().swap_remove(0);
-    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5]));
-    let reference = Reference.samples(&scene, &view).unwrap();
-    scene.shadows = Shadows::Mipmaps(Mipmaps::of(&[5, 4, 5]));
-    let other = Passes::new(gpu).samples(&scene, &view).unwrap();
-    assert!(compare(&scene, &reference, &other).radiance < 0.995);
+    scene = scene.with_shadows(Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5])));
+    let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+    scene = scene.with_shadows(Shadows::Mipmaps(Mipmaps::of(&[5, 4, 5])));
+    let other = Renderer::on(gpu).samples(&scene, &view).unwrap();
+    assert!(compare(&view, &reference, &other).radiance < 0.995);
 }
 
 #[test]
@@ -56,13 +54,13 @@ fn the_pass_lights_from_the_sky_as_the_reference_does() {
             (0..levels.levels.len()).map(|level| shares(surface, [face, level], &sky)).collect()
         };
         let shares = surface.terrain.faces.iter().enumerate().map(of_face).collect();
-        scene.ambient = Some(Ambient { radiance_w_m2_sr: 100.0, shares });
-        let reference = Reference.samples(&scene, &view).unwrap();
-        let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
-        let agreement = compare(&scene, &reference, &pass);
+        scene = scene.with_ambient(Ambient { radiance_w_m2_sr: 100.0, shares });
+        let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+        let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+        let agreement = compare(&view, &reference, &pass);
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
         scene.ambient = None;
-        let dark = Passes::new(gpu).samples(&scene, &view).unwrap();
-        assert!(compare(&scene, &reference, &dark).radiance < 0.9, "{name}: the sky gives no light");
+        let dark = Renderer::on(gpu).samples(&scene, &view).unwrap();
+        assert!(compare(&view, &reference, &dark).radiance < 0.9, "{name}: the sky gives no light");
     }
 }

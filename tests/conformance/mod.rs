@@ -11,6 +11,7 @@ mod multiscale;
 mod photometry;
 pub mod render;
 pub mod scenarios;
+mod session;
 mod skylines;
 mod starts;
 mod vectors;

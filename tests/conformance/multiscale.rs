@@ -6,8 +6,6 @@ use glam::{DVec2, DVec3};
 use perilune_bench::stability::scenes::{Grid, flat_body};
 use perilune_engine::geometry::{Body, Position};
 use perilune_engine::gpu::Gpu;
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Light, Renderer, Shadows};
 use perilune_engine::shadow::multiscale::device::OnDevice;
 use perilune_engine::shadow::skylines::{Feet, Field};
@@ -123,21 +121,22 @@ fn images_lit_through_the_devices_skylines_are_the_references() {
     let Some(gpu) = super::gpu() else { return };
     for (name, mut scene, mut view) in scenes().into_iter().take(2) {
         let swath_rad = 0.035;
-        scene.shadows = Shadows::Towards(Box::new(Multiscale::new(&scene.surface.terrain, 4, 2.0, swath_rad)));
+        let method = Multiscale::new(&scene.surface.terrain, 4, 2.0, swath_rad);
+        scene = scene.with_shadows(Shadows::Towards(Box::new(method)));
         let method = scene.shadows.towards().unwrap();
         assert!(method.on_device(gpu, &scene.surface).unwrap().is_some());
         let sun = view.lights[0].clone();
         let aside =
             glam::DQuat::from_axis_angle(view.camera_position.vector_m().normalize(), 1.0) * sun.position.vector_m();
         view.lights.push(Light { position: Position::from_m(aside), ..sun });
-        let mut passes = Passes::new(gpu);
+        let mut session = Renderer::on(gpu).session(&scene).unwrap();
         let agreement =
-            compare(&scene, &Reference.samples(&scene, &view).unwrap(), &passes.samples(&scene, &view).unwrap());
+            compare(&view, &Renderer::Reference.samples(&scene, &view).unwrap(), &session.samples(&view).unwrap());
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
 
         let lights = view.held_lights();
         let believed = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
-        let read = passes.skylines(&scene).unwrap();
+        let read = session.skylines().unwrap();
         for (light, level) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let fields = [&believed, &read].map(|skylines| skylines.field(light, 0, level));
             let worst_rad = errors_rad(fields[0], fields[1], swath_rad).into_iter().fold(0.0, f64::max);

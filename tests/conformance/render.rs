@@ -3,12 +3,10 @@
 use glam::{DVec2, DVec3};
 pub use perilune_bench::stability::scenes::cube;
 use perilune_bench::stability::scenes::{level, waves};
-use perilune_engine::camera::Camera as Optics;
+use perilune_engine::camera::{Camera as Optics, Pose};
 use perilune_engine::geometry::{Body, Geodetic, Position, Rotation};
-use perilune_engine::photometry::{LimbDarkening, Reflectance, SolarDisk};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
-use perilune_engine::render::{Light, Quantity, Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::photometry::Reflectance;
+use perilune_engine::render::{Light, Quantity, Renderer, Samples, Scene, View};
 use perilune_engine::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
 
 fn nested() -> Terrain {
@@ -30,26 +28,15 @@ fn nested() -> Terrain {
     Terrain { body: Body::moon(), faces: vec![Face { map, levels: vec![fine, coarse] }] }
 }
 
-fn scene(terrain: Terrain, field_of_view_deg: f64) -> Scene {
+fn scene(terrain: Terrain) -> Scene {
+    Scene::new(Surface::new(terrain))
+}
+
+/// The view through a camera of that field of view.
+fn wide(view: View, field_of_view_deg: f64) -> View {
     let (columns, rows) = (160, 120);
     let focal_px = f64::from(columns) / 2.0 / (field_of_view_deg.to_radians() / 2.0).tan();
-    Scene {
-        surface: Surface::new(terrain),
-        shadows: Shadows::None,
-        refine: None,
-        view_rays: Default::default(),
-        reflectance: Reflectance::LunarLambert { normal_albedo: 0.12 },
-        albedo: None,
-        ambient: None,
-        albedo_role: Default::default(),
-        bounce: None,
-        detector: None,
-        band_width_nm: None,
-        disk: SolarDisk::new(LimbDarkening::Uniform).unwrap(),
-        optics: Optics::pinhole(columns, rows, DVec2::splat(focal_px)).unwrap(),
-        samples_per_side: 2,
-        quantities: vec![Quantity::Radiance, Quantity::Range],
-    }
+    view.with_optics(Optics::pinhole(columns, rows, DVec2::splat(focal_px)).unwrap())
 }
 
 /// A camera at a point that looks at another, with the Sun at an elevation over the first's horizon.
@@ -60,16 +47,13 @@ fn view(body: &Body, from: Geodetic, at: Geodetic, sun_elevation_deg: f64) -> Vi
     let local = body.local_from_body(at).inverse();
     let (sin, cos) = sun_elevation_deg.to_radians().sin_cos();
     let sun = local.turn(DVec3::new(0.6 * cos, 0.8 * cos, sin));
-    View {
-        exposure: 0,
-        camera_position: position,
-        camera_from_body: Rotation::from_axes(right, boresight.cross(right), boresight),
-        lights: vec![Light {
-            position: Position::from_m(1.496e11 * sun),
-            angular_radius_rad: 0.00465,
-            irradiance_w_m2: 1361.0,
-        }],
-    }
+    let camera_from_body = Rotation::from_axes(right, boresight.cross(right), boresight);
+    let sun =
+        Light { position: Position::from_m(1.496e11 * sun), angular_radius_rad: 0.00465, irradiance_w_m2: 1361.0 };
+    View::new(Pose { position, camera_from_body }, Optics::pinhole(1, 1, DVec2::ONE).unwrap(), vec![sun])
+        .with_reflectance(Reflectance::LunarLambert { normal_albedo: 0.12 })
+        .with_samples_per_side(2)
+        .with_quantities([Quantity::Radiance, Quantity::Range])
 }
 
 pub fn scenes() -> Vec<(&'static str, Scene, View)> {
@@ -79,13 +63,25 @@ pub fn scenes() -> Vec<(&'static str, Scene, View)> {
     let mars = Body::mars();
     let oblate = Terrain { body: mars.clone(), faces: vec![] };
     vec![
-        ("nested, oblique", scene(nested(), 50.0), view(&moon, at(-87.8, 24.0, 4000.0), at(-88.0, 25.0, 0.0), 3.0)),
-        ("nested, low", scene(nested(), 60.0), view(&moon, at(-88.0, 25.5, 300.0), at(-88.02, 24.0, 200.0), 1.5)),
-        ("nested, nadir", scene(nested(), 40.0), view(&moon, at(-88.0, 25.0, 2500.0), at(-88.0, 25.0, 0.0), 2.0)),
-        ("cube from 100 km", scene(cube(150), 70.0), view(&moon, at(10.0, 60.0, 1e5), at(18.0, 66.0, 0.0), 15.0)),
-        ("cube from 5000 km", scene(cube(150), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
-        ("sphere from 5000 km", scene(bare(), 35.0), view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0)),
-        ("spheroid", scene(oblate, 60.0), view(&mars, at(40.0, -20.0, 3e6), at(41.0, -21.0, 0.0), 10.0)),
+        (
+            "nested, oblique",
+            scene(nested()),
+            wide(view(&moon, at(-87.8, 24.0, 4000.0), at(-88.0, 25.0, 0.0), 3.0), 50.0),
+        ),
+        ("nested, low", scene(nested()), wide(view(&moon, at(-88.0, 25.5, 300.0), at(-88.02, 24.0, 200.0), 1.5), 60.0)),
+        ("nested, nadir", scene(nested()), wide(view(&moon, at(-88.0, 25.0, 2500.0), at(-88.0, 25.0, 0.0), 2.0), 40.0)),
+        ("cube from 100 km", scene(cube(150)), wide(view(&moon, at(10.0, 60.0, 1e5), at(18.0, 66.0, 0.0), 15.0), 70.0)),
+        (
+            "cube from 5000 km",
+            scene(cube(150)),
+            wide(view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0), 35.0),
+        ),
+        (
+            "sphere from 5000 km",
+            scene(bare()),
+            wide(view(&moon, at(40.0, -20.0, 5e6), at(41.0, -21.0, 0.0), 40.0), 35.0),
+        ),
+        ("spheroid", scene(oblate), wide(view(&mars, at(40.0, -20.0, 3e6), at(41.0, -21.0, 0.0), 10.0), 60.0)),
     ]
 }
 
@@ -100,8 +96,8 @@ pub struct Agreement {
     pub range: f64,
 }
 
-pub fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
-    let smooth: Vec<usize> = (0..a.pixels.len()).filter(|&pixel| !at_depth_edge(scene, a, pixel)).collect();
+pub fn compare(view: &View, a: &Samples, b: &Samples) -> Agreement {
+    let smooth: Vec<usize> = (0..a.pixels.len()).filter(|&pixel| !at_depth_edge(view, a, pixel)).collect();
     let same = |&&pixel: &&usize| {
         let (p, q) = (a.pixels[pixel].radiance_w_m2_sr, b.pixels[pixel].radiance_w_m2_sr);
         // Below a ten-thousandth of sunlit ground's radiance a relative bound means nothing.
@@ -127,8 +123,8 @@ pub fn compare(scene: &Scene, a: &Samples, b: &Samples) -> Agreement {
 }
 
 /// True where a neighbour's range differs by more than 2 % or one of the two sees the sky or a gap.
-fn at_depth_edge(scene: &Scene, samples: &Samples, pixel: usize) -> bool {
-    let (columns, rows) = (scene.optics.columns as usize, scene.optics.rows as usize);
+fn at_depth_edge(view: &View, samples: &Samples, pixel: usize) -> bool {
+    let (columns, rows) = (view.optics.columns as usize, view.optics.rows as usize);
     let (column, row) = (pixel % columns, pixel / columns);
     let range =
         |c: usize, r: usize| samples.centres[r * columns + c].map(|hit| (hit.distance_m, hit.ground == Ground::Gap));
@@ -146,9 +142,9 @@ fn at_depth_edge(scene: &Scene, samples: &Samples, pixel: usize) -> bool {
 fn the_pass_renders_what_the_reference_renders() {
     let Some(gpu) = super::gpu() else { return };
     for (name, scene, view) in scenes() {
-        let reference = Reference.samples(&scene, &view).unwrap();
-        let passes = Passes::new(gpu).samples(&scene, &view).unwrap();
-        let agreement = compare(&scene, &reference, &passes);
+        let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+        let passes = Renderer::on(gpu).samples(&scene, &view).unwrap();
+        let agreement = compare(&view, &reference, &passes);
         println!("{name}: {agreement:?}");
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
         assert!(agreement.ground >= 0.998, "{name}: {agreement:?}");
@@ -162,6 +158,7 @@ fn the_comparison_rejects_a_sun_a_hundredth_of_a_degree_off() {
     let mut moved = view.clone();
     let sun = &mut moved.lights[0];
     sun.position = Position::from_m(sun.position.vector_m() + 1.496e11 * DVec3::new(0.0, 0.0, 1.75e-4));
-    let (a, b) = (Reference.samples(&scene, &view).unwrap(), Reference.samples(&scene, &moved).unwrap());
-    assert!(compare(&scene, &a, &b).radiance < 0.999);
+    let (a, b) =
+        (Renderer::Reference.samples(&scene, &view).unwrap(), Renderer::Reference.samples(&scene, &moved).unwrap());
+    assert!(compare(&view, &a, &b).radiance < 0.999);
 }

@@ -5,8 +5,6 @@
 use std::path::{Path, PathBuf};
 
 use perilune_engine::pipeline::{self, Silent};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer};
 use perilune_engine::scenario::{self, Dem, Scenario};
 
@@ -65,12 +63,12 @@ fn the_pass_renders_the_shipped_scenarios_as_the_reference_does() {
         let Some(scenario) = load(&format!("{name}.ron")) else { continue };
         let scenario = if full.is_some() { scenario } else { smaller(scenario) };
         let mut prepared = pipeline::prepare(&scenario, cache, &Silent).unwrap();
-        let mut scene = pipeline::scene(&scenario, &mut prepared, cache, &Silent).unwrap();
-        scene.quantities = vec![Quantity::Radiance, Quantity::Range];
-        let view = &prepared.exposures[prepared.exposures.len() / 2].view;
-        let reference = Reference.samples(&scene, view).unwrap();
-        let pass = Passes::new(gpu).samples(&scene, view).unwrap();
-        let agreement = compare(&scene, &reference, &pass);
+        let scene = pipeline::scene(&scenario, &mut prepared, cache, &Silent).unwrap();
+        let view = prepared.exposures[prepared.exposures.len() / 2].view.clone();
+        let view = view.with_quantities([Quantity::Radiance, Quantity::Range]);
+        let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+        let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+        let agreement = compare(&view, &reference, &pass);
         println!("{name}: {agreement:?}");
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
         assert!(agreement.range < 1e-4, "{name}: {agreement:?}");

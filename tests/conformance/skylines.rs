@@ -5,8 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use perilune_engine::horizon::{Encoding, HorizonMap, Memory, Settings};
 use perilune_engine::pipeline::{self, Silent, ground};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::{self, Reference};
+use perilune_engine::render::reference;
 use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
 use perilune_engine::shadow::skylines::Field;
 use perilune_engine::shadow::{Baked, HeldLight, OutsideSwath, Skylines, Towards};
@@ -39,16 +38,15 @@ fn differences(a: &Samples, b: &Samples) -> (f32, f32) {
 fn skylines_baked_on_the_device_light_what_the_reference_lights() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene.shadows = Shadows::Baked(Baked(maps));
-    let reference = Reference.samples(&scene, &view).unwrap();
-    let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
-    let agreement = compare(&scene, &reference, &pass);
+    scene = scene.with_shadows(Shadows::Baked(Baked(maps.clone())));
+    let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+    let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+    let agreement = compare(&view, &reference, &pass);
     assert!(agreement.radiance >= 0.999, "{agreement:?}");
     // The same fields found on the host and sent.
-    let Shadows::Baked(baked) = scene.shadows else { unreachable!() };
-    scene.shadows = Shadows::Towards(Box::new(baked));
-    let sent = Passes::new(gpu).samples(&scene, &view).unwrap();
-    assert!(compare(&scene, &reference, &sent).radiance >= 0.999);
+    scene = scene.with_shadows(Shadows::Towards(Box::new(Baked(maps))));
+    let sent = Renderer::on(gpu).samples(&scene, &view).unwrap();
+    assert!(compare(&view, &reference, &sent).radiance >= 0.999);
 }
 
 #[test]
@@ -58,30 +56,30 @@ fn baking_changes_no_share_of_the_sun_that_matters() {
     // disc. Coefficients at reduced resolution are smoothed again: there the mean says that little changes.
     for (encoding, allowed) in [(Encoding::F16, (2e-3, 1e-4)), (Encoding::Fm16, (1.0, 3e-3))] {
         let (mut scene, view, maps) = nested(encoding);
-        scene.shadows = Shadows::Fourier(maps.clone());
-        let direct = Reference.samples(&scene, &view).unwrap();
-        scene.shadows = Shadows::Baked(Baked(maps));
-        let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
+        scene = scene.with_shadows(Shadows::Fourier(maps.clone()));
+        let direct = Renderer::Reference.samples(&scene, &view).unwrap();
+        scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
+        let (largest, mean) = differences(&direct, &Renderer::Reference.samples(&scene, &view).unwrap());
         assert!(largest < allowed.0 && mean < allowed.1, "{encoding:?}: {largest} {mean}");
-        scene.shadows = Shadows::None;
-        let (largest, mean) = differences(&direct, &Reference.samples(&scene, &view).unwrap());
+        scene = scene.with_shadows(Shadows::None);
+        let (largest, mean) = differences(&direct, &Renderer::Reference.samples(&scene, &view).unwrap());
         assert!(largest > 0.9 && mean > 0.1, "the comparison sees no shadows at all: {largest} {mean}");
     }
 }
 
 #[test]
-fn a_renderer_bakes_anew_when_the_sun_has_moved() {
+fn a_session_bakes_anew_when_the_sun_has_moved() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene.shadows = Shadows::Baked(Baked(maps));
+    scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
     let mut moved = view.clone();
     let sun_m = moved.lights[0].position.vector_m();
     moved.lights[0].position = perilune_engine::geometry::Position::from_m(glam::DQuat::from_rotation_z(0.1) * sun_m);
-    let mut renderer = Passes::new(gpu);
-    let first = renderer.samples(&scene, &view).unwrap();
-    let second = renderer.samples(&scene, &moved).unwrap();
-    let again = renderer.samples(&scene, &view).unwrap();
-    let alone = Passes::new(gpu).samples(&scene, &moved).unwrap();
+    let mut session = Renderer::on(gpu).session(&scene).unwrap();
+    let first = session.samples(&view).unwrap();
+    let second = session.samples(&moved).unwrap();
+    let again = session.samples(&view).unwrap();
+    let alone = Renderer::on(gpu).samples(&scene, &moved).unwrap();
     assert_eq!(differences(&first, &again), (0.0, 0.0));
     assert_eq!(differences(&second, &alone), (0.0, 0.0));
     assert!(differences(&first, &second).0 > 0.5);
@@ -106,16 +104,16 @@ impl Towards for Counted {
 }
 
 #[test]
-fn labels_use_the_skylines_that_the_renderer_found() {
+fn labels_use_the_skylines_that_the_session_found() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
     let found = Arc::new(AtomicUsize::new(0));
     let levels: usize = maps.iter().map(Vec::len).sum();
-    scene.shadows = Shadows::Towards(Box::new(Counted { baked: Baked(maps), found: found.clone() }));
-    let mut passes = Passes::new(gpu);
-    passes.samples(&scene, &view).unwrap();
+    scene = scene.with_shadows(Shadows::Towards(Box::new(Counted { baked: Baked(maps), found: found.clone() })));
+    let mut session = Renderer::on(gpu).session(&scene).unwrap();
+    session.samples(&view).unwrap();
     assert_eq!(found.load(Ordering::Relaxed), levels * view.lights.len());
-    let known = passes.skylines(&scene).unwrap();
+    let known = session.skylines().unwrap();
     reference::shadow(&scene, &view, &known).unwrap();
     assert_eq!(found.load(Ordering::Relaxed), levels * view.lights.len());
     // Whoever knows nothing finds them again.
@@ -128,10 +126,10 @@ fn labels_use_the_skylines_that_the_renderer_found() {
 fn skylines_baked_on_the_device_are_read_back_where_they_belong() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene.shadows = Shadows::Baked(Baked(maps));
-    let mut passes = Passes::new(gpu);
-    passes.samples(&scene, &view).unwrap();
-    let read = passes.skylines(&scene).unwrap();
+    scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
+    let mut session = Renderer::on(gpu).session(&scene).unwrap();
+    session.samples(&view).unwrap();
+    let read = session.skylines().unwrap();
     let method = scene.shadows.towards().unwrap();
     let lights = view.held_lights();
     let believed = Skylines::default().towards(&scene.surface, method, &lights).unwrap();

@@ -1,6 +1,5 @@
 //! View rays from a coarse mesh against rays that are cast exactly from the camera.
 
-use perilune_engine::render::passes::Passes;
 use perilune_engine::render::{Renderer, Samples, ViewRays};
 
 use super::render::{compare, scenes};
@@ -18,11 +17,11 @@ fn ranges(samples: &Samples) -> Vec<Option<f64>> {
 fn rays_from_the_mesh_meet_what_exact_rays_meet() {
     let Some(gpu) = super::gpu() else { return };
     for (name, mut scene, view) in scenes() {
-        let exact = Passes::new(gpu).samples(&scene, &view).unwrap();
+        let exact = Renderer::on(gpu).samples(&scene, &view).unwrap();
         for hybrid in HYBRIDS {
-            scene.view_rays = hybrid;
-            let stepped = Passes::new(gpu).samples(&scene, &view).unwrap();
-            let agreement = compare(&scene, &exact, &stepped);
+            scene = scene.with_view_rays(hybrid);
+            let stepped = Renderer::on(gpu).samples(&scene, &view).unwrap();
+            let agreement = compare(&view, &exact, &stepped);
             println!("{name}, {hybrid:?}: {agreement:?}");
             assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
             assert!(agreement.ground >= 0.998, "{name}: {agreement:?}");

@@ -1,8 +1,6 @@
 //! Lighting factors of horizon maps: the pass against the reference, and both against the skyline's own line.
 
 use perilune_engine::horizon::{Encoding, HorizonMap};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
 use perilune_engine::shadow::{At, Lighting, Visibility};
 
@@ -18,7 +16,7 @@ const VISIBILITIES: [Visibility; 5] = [
 ];
 
 fn with(scene: &mut Scene, maps: &[Vec<HorizonMap>], visibility: Visibility, at: At) {
-    scene.shadows = Shadows::Lighting(Lighting { maps: maps.to_vec(), visibility, at });
+    *scene = scene.clone().with_shadows(Shadows::Lighting(Lighting { maps: maps.to_vec(), visibility, at }));
 }
 
 /// RMS difference of the Sun's share.
@@ -36,16 +34,16 @@ fn the_pass_finds_the_lighting_factors_of_the_reference() {
         for visibility in VISIBILITIES {
             for at in [At::Pixels, At::Nodes] {
                 with(&mut scene, &maps, visibility, at);
-                let reference = Reference.samples(&scene, &view).unwrap();
-                let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
-                let agreement = compare(&scene, &reference, &pass);
+                let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+                let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+                let agreement = compare(&view, &reference, &pass);
                 assert!(agreement.radiance >= 0.999, "{encoding} {visibility:?} {at:?}: {agreement:?}");
             }
         }
         // The comparison sees where shadows are missing.
-        let shadowed = Reference.samples(&scene, &view).unwrap();
-        scene.shadows = Shadows::None;
-        assert!(compare(&scene, &shadowed, &Passes::new(gpu).samples(&scene, &view).unwrap()).radiance < 0.95);
+        let shadowed = Renderer::Reference.samples(&scene, &view).unwrap();
+        scene = scene.with_shadows(Shadows::None);
+        assert!(compare(&view, &shadowed, &Renderer::on(gpu).samples(&scene, &view).unwrap()).radiance < 0.95);
     }
 }
 
@@ -55,7 +53,7 @@ fn more_boxes_come_nearer_to_many_and_fewer_coefficients_go_astray() {
     let (mut scene, view, maps) = nested(Encoding::F16);
     let mut share = |maps: &[Vec<HorizonMap>], visibility: Visibility, at: At| {
         with(&mut scene, maps, visibility, at);
-        Reference.samples(&scene, &view).unwrap()
+        Renderer::Reference.samples(&scene, &view).unwrap()
     };
     let many = share(&maps, Visibility::Boxes(63), At::Pixels);
     let boxes = [3, 7, 15].map(|count| rms(&many, &share(&maps, Visibility::Boxes(count), At::Pixels)));

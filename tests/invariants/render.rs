@@ -1,5 +1,7 @@
 //! What holds for any renderer.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec2, DVec3};
 use perilune_engine::ephemeris::Source;
 use perilune_engine::geometry::{Body, BodyFixed, Direction, Position, Rotation};
@@ -22,10 +24,11 @@ fn terrain() -> Terrain {
 fn view() -> View {
     let map = map(&Body::moon());
     scenes::nadir(&map, DVec2::new(20.0, -35.0), 1500.0, scenes::sun(&map, 0.8, 8f64.to_radians()))
+        .with_optics(scenes::pinhole(64, 64, 80.0))
 }
 
 fn hilly(shadows: impl Fn(&Terrain) -> Shadows) -> Scene {
-    Scene { shadows: shadows(&terrain()), ..scenes::scene(terrain(), scenes::pinhole(64, 64, 80.0)) }
+    scenes::scene(terrain()).with_shadows(shadows(&terrain()))
 }
 
 /// Share of pixels whose radiances differ by no more than a share of the larger.
@@ -41,10 +44,10 @@ fn turned(view: &View, turn: DMat3) -> View {
     let body_turn: Rotation<BodyFixed, BodyFixed> = Rotation::from_matrix(turn);
     let lights = view.lights.iter().map(|light| Light { position: place(light.position), ..light.clone() }).collect();
     View {
-        exposure: 0,
         camera_position: place(view.camera_position),
         camera_from_body: view.camera_from_body * body_turn.inverse(),
         lights,
+        ..view.clone()
     }
 }
 
@@ -55,7 +58,7 @@ fn turning_terrain_camera_and_sun_about_the_pole_changes_no_image() {
     let (scene, mut other) = (hilly(scenes::fourier), hilly(scenes::fourier));
     let turn = DMat3::from_rotation_z(2.3);
     let body_turn: Rotation<BodyFixed, BodyFixed> = Rotation::from_matrix(turn);
-    let map = &mut other.surface.terrain.faces[0].map;
+    let map = &mut Arc::make_mut(&mut other.surface).terrain.faces[0].map;
     map.map_from_body = map.map_from_body * body_turn.inverse();
     let pairs = scenes::samples(&scene, &view()).into_iter().zip(scenes::samples(&other, &turned(&view(), turn)));
     for ((renderer, a), (_, b)) in pairs {
@@ -70,15 +73,16 @@ fn a_larger_world_looks_the_same() {
     let scene = hilly(scenes::fourier);
     let mut other = hilly(scenes::fourier);
     let body = Body { equatorial_radius_m: 4.0 * 1_737_400.0, polar_radius_m: 4.0 * 1_737_400.0, ..Body::moon() };
-    other.surface.terrain.body = body;
-    let face = &mut other.surface.terrain.faces[0];
+    let mut terrain = other.surface.terrain.clone();
+    terrain.body = body;
+    let face = &mut terrain.faces[0];
     face.map.radius_m *= 4.0;
     let level = &mut face.levels[0];
     for length_m in [&mut level.posting_m, &mut level.west_m, &mut level.south_m] {
         *length_m *= 4.0;
     }
     level.heights_m.iter_mut().for_each(|height_m| *height_m *= 4.0);
-    other.surface = perilune_engine::terrain::Surface::new(other.surface.terrain.clone());
+    other.surface = Arc::new(perilune_engine::terrain::Surface::new(terrain));
     let mut far = view();
     far.camera_position = Position::from_m(4.0 * far.camera_position.vector_m());
     far.lights[0].position = Position::from_m(4.0 * far.lights[0].position.vector_m());
@@ -120,9 +124,8 @@ fn a_mountain_added_towards_the_sun_brightens_nothing() {
     let mountain = |at: DVec2| hills(at) + 250.0 * (-(at - peak_m).length_squared() / 200f64.powi(2)).exp();
     let optics = scenes::pinhole(24, 24, 60.0);
     let [bare, other] = [terrain(), Grid::square(1200.0, 15.0).terrain(&Body::moon(), mountain)].map(|terrain| {
-        let scene = scenes::scene(terrain, optics.clone());
-        let shadowed = Scene { shadows: Shadows::Traced(Settings::default()), ..scene };
-        scenes::samples(&shadowed, &view()).swap_remove(0).1
+        let shadowed = scenes::scene(terrain).with_shadows(Shadows::Traced(Settings::default()));
+        scenes::samples(&shadowed, &view().with_optics(optics.clone())).swap_remove(0).1
     });
     let mut darker = 0;
     for (p, q) in bare.pixels.iter().zip(&other.pixels) {

@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
+use perilune_engine::camera::Pose;
 use perilune_engine::geometry::{Direction, Position};
 use perilune_engine::horizon::Settings;
 use perilune_engine::photometry::{Hapke, Reflectance};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::{Reference, irradiance_w_m2};
+use perilune_engine::render::reference::irradiance_w_m2;
 use perilune_engine::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
 use perilune_engine::shadow::{Skylines, Traced};
 use perilune_engine::terrain::{Ground, Hit, Terrain};
@@ -30,9 +30,9 @@ fn sun(elevation_deg: f64) -> Light {
 
 fn with_bounce(terrain: Terrain, azimuths: usize, elevations: usize) -> Scene {
     let Shadows::Fourier(maps) = scenes::fourier(&terrain) else { unreachable!("they are Fourier's") };
-    let scene = scenes::scene(terrain, scenes::pinhole(33, 33, 40.0));
+    let scene = scenes::scene(terrain);
     let bounce = Bounce::new(&scene.surface, &maps, azimuths, elevations);
-    Scene { shadows: Shadows::Fourier(maps), bounce: Some(bounce), ..scene }
+    scene.with_shadows(Shadows::Fourier(maps)).with_bounce(bounce)
 }
 
 /// Straight down from a height, onto the map's centre.
@@ -40,12 +40,9 @@ fn view(light: Light, height_m: f64) -> View {
     let map = map(&flat_body());
     let camera_position = map.body_from_lifted(DVec3::new(0.0, 0.0, height_m));
     let axes = [DVec3::X, -DVec3::Y, -DVec3::Z].map(|axis| map.map_from_body.inverse().turn(axis));
-    View {
-        exposure: 0,
-        camera_position,
-        camera_from_body: perilune_engine::geometry::Rotation::from_axes(axes[0], axes[1], axes[2]),
-        lights: vec![light],
-    }
+    let camera_from_body = perilune_engine::geometry::Rotation::from_axes(axes[0], axes[1], axes[2]);
+    scenes::view(Pose { position: camera_position, camera_from_body }, vec![light])
+        .with_optics(scenes::pinhole(33, 33, 40.0))
 }
 
 const RIM_M: f64 = 1000.0;
@@ -118,7 +115,7 @@ fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
             let there = planes::normal(scene, &met).unit();
             let to_sun = met.position.direction_to(view.lights[0].position).unwrap().unit();
             let [mu0, mu] = [to_sun, -direction].map(|towards| there.dot(towards).max(0.0));
-            sum += scene.reflectance.brdf_sr(mu0, mu, to_sun.dot(-direction)) * irradiance_w_m2;
+            sum += view.reflectance.brdf_sr(mu0, mu, to_sun.dot(-direction)) * irradiance_w_m2;
         }
     }
     PI * sum / f64::from(rings * azimuths)
@@ -137,8 +134,8 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
         let mut believed = Vec::new();
         for (azimuths, elevations, most_bias, most_rms) in [(16, 2, 0.07, 0.2), (32, 4, 0.015, 0.09)] {
             let terrain = Grid::square(1200.0, 20.0).terrain(&flat_body(), waves);
-            let scene = Scene { reflectance: law, ..with_bounce(terrain, azimuths, elevations) };
-            let view = view(sun(25.0), 3000.0);
+            let scene = with_bounce(terrain, azimuths, elevations);
+            let view = view(sun(25.0), 3000.0).with_reflectance(law);
             if believed.is_empty() {
                 believed = nodes.iter().map(|node| by_rays(&scene, &view, *node)).collect();
             }
@@ -164,26 +161,25 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
 /// Both renderers add the same light, and none where nobody asks.
 #[test]
 fn renderers_agree_on_bounced_light() {
-    let mut scene = with_bounce(bowl(), 8, 1);
-    let view = view(sun(15.0), 3000.0);
+    let scene = with_bounce(bowl(), 8, 1);
+    let view = view(sun(15.0), 3000.0).with_reflectance(Reflectance::Hapke(Hapke::moon()));
     // A map of w beside it: every number that varies over the ground takes part.
     let nodes = scene.surface.terrain.faces[0].levels[0].heights_m.len();
-    scene.reflectance = Reflectance::Hapke(Hapke::moon());
-    scene.albedo = Some(vec![vec![(0..nodes).map(|i| 0.2 + 0.03 * (i % 7) as f32).collect()]]);
-    scene.albedo_role = AlbedoRole::SingleScattering;
+    let albedo = vec![vec![(0..nodes).map(|i| 0.2 + 0.03 * (i % 7) as f32).collect()]];
+    let scene = scene.with_albedo(albedo, AlbedoRole::SingleScattering);
     let mean = |samples: &perilune_engine::render::Samples| {
         samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr)).sum::<f64>() / samples.pixels.len() as f64
     };
-    let lit = Reference.samples(&scene, &view).unwrap();
+    let lit = Renderer::Reference.samples(&scene, &view).unwrap();
     if let Some(gpu) = gpu() {
-        let device = Passes::new(gpu).samples(&scene, &view).unwrap();
+        let device = Renderer::on(gpu).samples(&scene, &view).unwrap();
         for (a, b) in lit.pixels.iter().zip(&device.pixels) {
             let (a, b) = (a.radiance_w_m2_sr, b.radiance_w_m2_sr);
             assert!((a - b).abs() < 2e-3 * a.abs() + 1e-3, "{a} {b}");
         }
     }
-    scene.bounce = None;
-    let without = Reference.samples(&scene, &view).unwrap();
+    let scene = Scene { bounce: None, ..scene };
+    let without = Renderer::Reference.samples(&scene, &view).unwrap();
     assert!(mean(&lit) > 1.002 * mean(&without), "{} {}", mean(&lit), mean(&without));
 }
 
@@ -193,15 +189,11 @@ fn an_even_map_of_single_scattering_albedo_is_the_law_with_it() {
     let terrain = bowl();
     let nodes = terrain.faces[0].levels[0].heights_m.len();
     let bright = Reflectance::Hapke(Hapke { single_scattering_albedo: 0.45, ..Hapke::moon() });
-    let plain = Scene { reflectance: bright, ..scenes::scene(terrain.clone(), scenes::pinhole(9, 9, 12.0)) };
-    let mapped = Scene {
-        reflectance: Reflectance::Hapke(Hapke::moon()),
-        albedo: Some(vec![vec![vec![0.45; nodes]]]),
-        albedo_role: AlbedoRole::SingleScattering,
-        ..scenes::scene(terrain, scenes::pinhole(9, 9, 12.0))
-    };
-    let view = view(sun(40.0), 3000.0);
-    let [a, b] = [&plain, &mapped].map(|scene| Reference.samples(scene, &view).unwrap());
+    let plain = scenes::scene(terrain);
+    let mapped = plain.clone().with_albedo(vec![vec![vec![0.45; nodes]]], AlbedoRole::SingleScattering);
+    let view = view(sun(40.0), 3000.0).with_optics(scenes::pinhole(9, 9, 12.0));
+    let [a, b] = [(&plain, bright), (&mapped, Reflectance::Hapke(Hapke::moon()))]
+        .map(|(scene, law)| Renderer::Reference.samples(scene, &view.clone().with_reflectance(law)).unwrap());
     for (a, b) in a.pixels.iter().zip(&b.pixels) {
         assert!((a.radiance_w_m2_sr / b.radiance_w_m2_sr - 1.0).abs() < 1e-6, "{a:?} {b:?}");
     }

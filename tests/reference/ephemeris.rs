@@ -29,7 +29,7 @@ pub(super) fn kernel_folder() -> PathBuf {
 }
 
 pub(super) fn default_almanac() -> Almanac {
-    Almanac::default_kernels(&kernel_folder()).unwrap()
+    Almanac::load(&DEFAULT_KERNELS.map(|name| kernel_folder().join(name))).unwrap()
 }
 
 /// One row of the table from Horizons.

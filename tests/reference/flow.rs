@@ -3,7 +3,6 @@
 use glam::{DMat3, DVec2, DVec3};
 use perilune_engine::geometry::{Body, Rotation};
 use perilune_engine::labels::Flow;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Scene, View};
 use perilune_engine::terrain::{Ground, Hit, Terrain};
 
@@ -13,16 +12,18 @@ const FOCAL_PX: f64 = 150.0;
 const SIDE: u32 = 100;
 
 fn of(terrain: Terrain) -> Scene {
-    Scene { quantities: vec![Quantity::Flow], ..scene(terrain, pinhole(SIDE, SIDE, FOCAL_PX)) }
+    scene(terrain)
 }
 
 fn above(body: &Body, at_m: DVec2, height_m: f64) -> View {
     let map = map(body);
     nadir(&map, at_m, height_m, sun(&map, 1.0, 0.6))
+        .with_optics(pinhole(SIDE, SIDE, FOCAL_PX))
+        .with_quantities([Quantity::Flow])
 }
 
 fn centres(scene: &Scene, view: &View) -> Vec<Option<Hit>> {
-    Reference.samples(scene, view).unwrap().centres
+    Renderer::Reference.samples(scene, view).unwrap().centres
 }
 
 fn pixel(index: usize) -> DVec2 {
@@ -47,7 +48,7 @@ fn a_camera_that_turns_moves_all_depths_alike() {
     let view = above(&body, DVec2::ZERO, 2000.0);
     let turn = DMat3::from_axis_angle(DVec3::new(0.2, 0.9, 0.4).normalize(), 0.05);
     let next = View { camera_from_body: Rotation::from_matrix(turn * view.camera_from_body.matrix()), ..view.clone() };
-    let flow = Flow::to(&scene, Some(&next), &centres(&scene, &view));
+    let flow = Flow::to(&scene, &view, Some(&next), &centres(&scene, &view));
     let middle = DVec2::splat(f64::from(SIDE - 1) / 2.0);
     for index in 0..flow.x_px.len() {
         let turned = turn * ((pixel(index) - middle) / FOCAL_PX).extend(1.0);
@@ -66,9 +67,9 @@ fn a_camera_that_moves_over_a_plain_moves_it_by_closed_forms() {
     let scene = of(Grid::square(2500.0, 20.0).terrain(&body, |_| 0.0));
     let view = above(&body, DVec2::ZERO, 2000.0);
     let seen = centres(&scene, &view);
-    let sideways = Flow::to(&scene, Some(&above(&body, DVec2::new(100.0, -60.0), 2000.0)), &seen);
+    let sideways = Flow::to(&scene, &view, Some(&above(&body, DVec2::new(100.0, -60.0), 2000.0)), &seen);
     let middle = DVec2::splat(f64::from(SIDE - 1) / 2.0);
-    let down = Flow::to(&scene, Some(&above(&body, DVec2::ZERO, 1600.0)), &seen);
+    let down = Flow::to(&scene, &view, Some(&above(&body, DVec2::ZERO, 1600.0)), &seen);
     for index in 0..sideways.x_px.len() {
         let flow = |flow: &Flow| DVec2::new(flow.x_px[index].into(), flow.y_px[index].into());
         // Down in the image is south. A plain of radius 1e9 m falls by 1 mm, turns by 1e-7, and is f32: 1e-4 m.
@@ -76,7 +77,7 @@ fn a_camera_that_moves_over_a_plain_moves_it_by_closed_forms() {
         let expected = (pixel(index) - middle) * (2000.0 / 1600.0 - 1.0);
         assert!((flow(&down) - expected).length() < 1e-4, "{index}: {}", flow(&down));
         // A plain hides nothing: what is not seen is off the image.
-        let expected = scene.optics.contains(pixel(index) + expected);
+        let expected = view.optics.contains(pixel(index) + expected);
         assert_eq!(down.covisible[index] == 1.0, expected, "{index}");
     }
 }
@@ -94,16 +95,16 @@ fn the_next_image_sees_the_same_ground_where_the_flow_leads() {
         View { camera_from_body: Rotation::from_axes(right, forward.cross(right), forward), ..view }
     });
     let seen = centres(&scene, &view);
-    let flow = Flow::to(&scene, Some(&next), &seen);
+    let flow = Flow::to(&scene, &view, Some(&next), &seen);
     let (mut same, mut hidden) = (0, 0);
     for (index, hit) in seen.iter().enumerate() {
         let Some(hit) = hit.as_ref().filter(|hit| hit.ground != Ground::Gap) else { continue };
         let found = pixel(index) + DVec2::new(flow.x_px[index].into(), flow.y_px[index].into());
-        if !(found.is_finite() && scene.optics.contains(found)) {
+        if !(found.is_finite() && next.optics.contains(found)) {
             assert!(flow.covisible[index] == 0.0);
             continue;
         }
-        let direction = next.camera_from_body.inverse() * scene.optics.direction(found).unwrap();
+        let direction = next.camera_from_body.inverse() * next.optics.direction(found).unwrap();
         let met = scene.surface.intersect(next.camera_position, direction).unwrap();
         let apart_m = met.position.distance_m(hit.position);
         let pixel_m = met.distance_m / FOCAL_PX;
@@ -131,12 +132,12 @@ fn a_wall_hides_what_is_behind_it_from_the_next_exposure() {
     let map = map(&body);
     let [right, down, forward] = [-DVec3::Y, -DVec3::Z, DVec3::X].map(|axis| map.map_from_body.inverse().turn(axis));
     let next = View { camera_from_body: Rotation::from_axes(right, down, forward), ..low };
-    let flow = Flow::to(&scene, Some(&next), &centres(&scene, &view));
+    let flow = Flow::to(&scene, &view, Some(&next), &centres(&scene, &view));
     let centre = (SIDE * SIDE / 2 + SIDE / 2) as usize;
     assert!(flow.y_px[centre].is_finite() && flow.covisible[centre] == 0.0);
     // It would be seen if the wall were not there.
     let plain = of(Grid::square(2500.0, 20.0).terrain(&body, |_| 0.0));
-    assert_eq!(Flow::to(&plain, Some(&next), &centres(&plain, &view)).covisible[centre], 1.0);
+    assert_eq!(Flow::to(&plain, &view, Some(&next), &centres(&plain, &view)).covisible[centre], 1.0);
     // The last exposure has no next one.
-    assert!(Flow::to(&scene, None, &centres(&scene, &view)).x_px.iter().all(|x| x.is_nan()));
+    assert!(Flow::to(&scene, &view, None, &centres(&scene, &view)).x_px.iter().all(|x| x.is_nan()));
 }

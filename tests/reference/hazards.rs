@@ -6,7 +6,7 @@ use glam::DVec2;
 use perilune_engine::geometry::{Body, Position};
 use perilune_engine::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::reference::{self, Reference};
+use perilune_engine::render::reference;
 use perilune_engine::render::{Quantity, Renderer, Scene, Shadows};
 use perilune_engine::shadow::Skylines;
 use perilune_engine::terrain::{Hit, Surface};
@@ -104,20 +104,18 @@ fn shaded() -> (Scene, perilune_engine::render::View) {
     let body = flat_body();
     let terrain = Grid::square(200.0, 1.0).terrain(&body, |at_m| if at_m.x > 20.0 { 20.0 } else { 0.0 });
     let map = map(&body);
-    let scene = Scene {
-        shadows: Shadows::Traced(Default::default()),
-        quantities: vec![Quantity::Hazard],
-        ..scene(terrain, pinhole(60, 1, 60.0))
-    };
+    let scene = scene(terrain).with_shadows(Shadows::Traced(Default::default()));
     // 60 pixels of 1 m, from −30 to +30 m.
-    let view = nadir(&map, DVec2::ZERO, 60.0, sun(&map, TAU / 4.0, TAU / 8.0));
+    let view = nadir(&map, DVec2::ZERO, 60.0, sun(&map, TAU / 4.0, TAU / 8.0))
+        .with_optics(pinhole(60, 1, 60.0))
+        .with_quantities([Quantity::Hazard]);
     (scene, view)
 }
 
 #[test]
 fn half_of_a_footprint_on_a_shadows_edge_is_lit() {
     let (scene, view) = shaded();
-    let centres = Reference.samples(&scene, &view).unwrap().centres;
+    let centres = Renderer::Reference.samples(&scene, &view).unwrap().centres;
     let limits = Limits { footprint_m: 8.0, slope_rad: 0.2, roughness_m: 0.5, sunlit_share: 0.9 };
     let shadow = reference::shadow(&scene, &view, &Skylines::default()).unwrap();
     let found = Hazards::of(&scene, &view, shadow.as_deref(), &centres, &limits, true);

@@ -120,10 +120,10 @@ fn looking(body: &Body, from_m: DVec3, to_m: DVec2) -> View {
 fn a_crater_below_a_nadir_camera_is_a_circle_of_known_radius() {
     let body = flat_body();
     let level = Grid::square(1000.0, 20.0).terrain(&body, |_| 0.0);
-    let scene = scene(level, pinhole(400, 300, 500.0));
+    let scene = scene(level);
     let map = map(&body);
     // 100 m across 2000 m below: 500 · 50/2000 = 12.5 px; the camera is 160 m west of it: 40 px.
-    let view = nadir(&map, DVec2::new(-160.0, 0.0), 2000.0, sun(&map, 1.0, 0.6));
+    let view = nadir(&map, DVec2::new(-160.0, 0.0), 2000.0, sun(&map, 1.0, 0.6)).with_optics(pinhole(400, 300, 500.0));
     let found = seen(&scene, &view, &crater(middle(), [100.0; 2], 0.3)).unwrap();
     let [u, v] = found.ellipse.centre_px;
     assert!((u - 239.5).abs() < 1e-3 && (v - 149.5).abs() < 1e-3, "{found:?}");
@@ -149,18 +149,18 @@ fn conics_go_through_rims_projected_point_by_point() {
     let lens = Distortion { radial: [-0.2, 0.05, 0.0, 0.0, 0.0, 0.0], tangential: [1e-3, -5e-4] };
     let bent = ideal.clone().with_distortion(lens).unwrap();
     for (optics, largest_misfit_px) in [(ideal, 0.0), (bent, 0.7)] {
-        let scene = scene(terrain.clone(), optics);
+        let scene = scene(terrain.clone());
         for (diameters_m, from_m) in [
             ([600.0, 600.0], DVec3::new(-2500.0, -900.0, 2500.0)),
             ([900.0, 400.0], DVec3::new(300.0, -2800.0, 1500.0)),
             ([1500.0, 1200.0], DVec3::new(0.0, 1500.0, 2600.0)),
         ] {
-            let view = looking(&body, from_m, DVec2::new(200.0, -100.0));
+            let view = looking(&body, from_m, DVec2::new(200.0, -100.0)).with_optics(optics.clone());
             let crater = crater(middle(), diameters_m, 0.7);
             let rim = Rim::of(&crater, &scene.surface);
             let pixel = |k: u32| {
                 let p = rim.at(TAU * f64::from(k) / 360.0).vector_m() - view.camera_position.vector_m();
-                scene.optics.pixel(Direction::new(view.camera_from_body.turn(p)).unwrap()).unwrap()
+                view.optics.pixel(Direction::new(view.camera_from_body.turn(p)).unwrap()).unwrap()
             };
             let points: Vec<DVec2> = (0..360).map(pixel).collect();
             let found = seen(&scene, &view, &crater).unwrap();
@@ -193,7 +193,7 @@ fn conics_go_through_rims_projected_point_by_point() {
 fn a_rim_lies_in_the_plane_of_the_ground() {
     let body = flat_body();
     let terrain = Grid::square(1000.0, 20.0).terrain(&body, |at_m| 0.3 * at_m.x);
-    let scene = scene(terrain, pinhole(10, 10, 10.0));
+    let scene = scene(terrain);
     let rim = Rim::of(&crater(middle(), [200.0; 2], TAU / 4.0), &scene.surface);
     let map = map(&body);
     let normal = map.map_from_body.turn(rim.normal.unit());
@@ -219,10 +219,11 @@ fn at(body: &Body, at_m: DVec2) -> Geodetic {
 #[test]
 fn a_ridge_hides_the_crater_behind_it_and_shades_the_one_before_it() {
     let (body, terrain) = walled();
-    let scene = Scene { shadows: Shadows::Traced(Default::default()), ..scene(terrain, pinhole(400, 400, 150.0)) };
+    let scene = scene(terrain).with_shadows(Shadows::Traced(Default::default()));
     // The camera is west of the wall, 300 m high; the Sun is in the east, 20° high: shadows of 550 m to the west.
     let view = looking(&body, DVec3::new(-1000.0, 0.0, 300.0), DVec2::new(0.0, 0.0));
-    let view = View { lights: vec![sun(&map(&body), TAU / 4.0, 20f64.to_radians())], ..view };
+    let lights = vec![sun(&map(&body), TAU / 4.0, 20f64.to_radians())];
+    let view = View { lights, optics: pinhole(400, 400, 150.0), ..view };
     let place = |x_m: f64| seen(&scene, &view, &crater(at(&body, DVec2::new(x_m, 0.0)), [100.0; 2], 0.0));
     // Hidden behind the wall: over its top the camera sees ground from 2000 m on.
     let hidden = place(400.0).unwrap();
@@ -239,9 +240,10 @@ fn a_ridge_hides_the_crater_behind_it_and_shades_the_one_before_it() {
 
 #[test]
 fn craters_beyond_the_limb_or_beside_the_image_are_not_landmarks() {
-    let scene = scene(bare(Body::moon()), pinhole(600, 600, 300.0));
+    let scene = scene(bare(Body::moon()));
     let camera_m = DVec3::new(4e6, 0.0, 0.0);
-    let view = crate::scenes::towards_centre(camera_m, vec![crate::scenes::light(DVec3::X)]);
+    let view = crate::scenes::towards_centre(camera_m, vec![crate::scenes::light(DVec3::X)])
+        .with_optics(pinhole(600, 600, 300.0));
     let place = |longitude_deg: f64| {
         seen(&scene, &view, &crater(Geodetic::from_degrees(0.0, longitude_deg, 0.0), [100e3; 2], 0.0))
     };
@@ -249,17 +251,17 @@ fn craters_beyond_the_limb_or_beside_the_image_are_not_landmarks() {
     assert!(place(0.0).is_some_and(|near| !near.occluded));
     assert!(place(60.0).is_some());
     assert!(place(80.0).is_none() && place(180.0).is_none());
-    let narrow = Scene { optics: pinhole(600, 600, 3000.0), ..scene };
-    assert!(seen(&narrow, &view, &crater(Geodetic::from_degrees(0.0, 30.0, 0.0), [50e3; 2], 0.0)).is_none());
+    let narrow = view.clone().with_optics(pinhole(600, 600, 3000.0));
+    assert!(seen(&scene, &narrow, &crater(Geodetic::from_degrees(0.0, 30.0, 0.0), [50e3; 2], 0.0)).is_none());
     // A crater around the whole image is cut by its edges.
-    let around = seen(&narrow, &view, &crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0)).unwrap();
+    let around = seen(&scene, &narrow, &crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0)).unwrap();
     assert!(around.truncated);
     // It is larger than the image, and may be worn down further than asked for.
     let body = Body::moon();
     let crater = Crater { degradation: Some(0.4), ..crater(Geodetic::from_degrees(0.0, 0.0, 0.0), [1500e3; 2], 0.0) };
     let rim = Rim::of(&crater, &perilune_engine::terrain::Surface::new(bare(body)));
     let craters = [(crater, rim)];
-    let listed = |wanted: Wanted| landmarks(&narrow, &view, None, &craters, &wanted).len();
+    let listed = |wanted: Wanted| landmarks(&scene, &narrow, None, &craters, &wanted).len();
     let all = Wanted { smallest_px: 1.0, largest_px: around.diameter_px + 1.0, most_degraded: 0.5 };
     assert_eq!(listed(all), 1);
     assert_eq!(listed(Wanted { largest_px: around.diameter_px - 1.0, ..all }), 0);
@@ -270,9 +272,10 @@ fn craters_beyond_the_limb_or_beside_the_image_are_not_landmarks() {
 #[test]
 fn the_conic_is_that_of_christian_et_al() {
     let body = Body::moon();
-    let scene = scene(bare(body.clone()), pinhole(1024, 1024, 800.0));
+    let scene = scene(bare(body.clone()));
     let camera_m = DVec3::new(2.2e6, 1e5, -2e5);
-    let view = crate::scenes::towards_centre(camera_m, vec![crate::scenes::light(DVec3::X)]);
+    let view = crate::scenes::towards_centre(camera_m, vec![crate::scenes::light(DVec3::X)])
+        .with_optics(pinhole(1024, 1024, 800.0));
     let centre = Geodetic::from_degrees(1.0, -2.0, 0.0);
     let found = seen(&scene, &view, &crater(centre, [40e3, 30e3], 0.4)).unwrap();
 
@@ -305,9 +308,9 @@ fn distorted_cameras_state_what_their_lens_does_to_a_rim() {
     let terrain = Grid::square(1000.0, 20.0).terrain(&body, |_| 0.0);
     let lens = Distortion { radial: [-0.2, 0.0, 0.0, 0.0, 0.0, 0.0], ..Default::default() };
     let optics: Optics = pinhole(400, 400, 800.0).with_distortion(lens).unwrap();
-    let scene = scene(terrain, optics);
+    let scene = scene(terrain);
     let map = map(&body);
-    let view = nadir(&map, DVec2::ZERO, 500.0, sun(&map, 1.0, 0.6));
+    let view = nadir(&map, DVec2::ZERO, 500.0, sun(&map, 1.0, 0.6)).with_optics(optics);
     // About the boresight the lens only shrinks: r (1 − 0.2 r²) with r = 50/500.
     let found = seen(&scene, &view, &crater(middle(), [100.0; 2], 0.0)).unwrap();
     let expected_px = 800.0 * 0.1 * (1.0 - 0.2 * 0.01);

@@ -9,8 +9,6 @@ use perilune_engine::horizon::Encoding;
 use perilune_engine::pipeline::globe::{Globe, Options};
 use perilune_engine::pipeline::{self, Prepared, Silent};
 use perilune_engine::raster::{self, Dem};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
 use perilune_engine::scenario::{self, Scenario, SearchPath};
 use perilune_engine::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
@@ -180,7 +178,7 @@ fn lit(prepared: &Prepared, elevation_deg: f64) -> (View, DVec3) {
 /// Under a Sun at an elevation above the ground below the camera.
 fn agreement(truth: &Truth, prepared: &Prepared, scene: &Scene, elevation_deg: f64) -> Agreement {
     let (view, sun) = lit(prepared, elevation_deg);
-    let samples = Reference.samples(scene, &view).unwrap();
+    let samples = Renderer::Reference.samples(scene, &view).unwrap();
     let (mut same, mut beside, mut cast) = (Vec::new(), Vec::new(), 0);
     for (pixel, hit) in samples.pixels.iter().zip(&samples.centres) {
         let Some(hit) = hit else { continue };
@@ -215,7 +213,7 @@ fn shadows_fall_across_tiles_and_faces_as_on_the_ground_itself() {
     let globe = prepared.ground.globe.as_ref().unwrap();
     let (faces, levels): (BTreeSet<_>, BTreeSet<_>) = globe.cut.tiles().map(|tile| (tile.face, tile.level)).unzip();
     assert!(faces.len() >= 3 && levels.len() >= 2, "{}", globe.summary());
-    assert!(scene.quantities.contains(&Quantity::Height), "whose rays tell where pixels are");
+    assert!(prepared.exposures[0].view.quantities.contains(&Quantity::Height), "whose rays tell where pixels are");
     // The Sun's radius, and as much again for series of 16 harmonics of a 27 km grid.
     let truth = Truth { height_m: &height_m, step_rad: 5e-4, clear_rad: 0.55_f64.to_radians() };
     for elevation_deg in [0.0, 3.0] {
@@ -225,16 +223,16 @@ fn shadows_fall_across_tiles_and_faces_as_on_the_ground_itself() {
         assert!(found.share > 0.999 && found.share_beside_borders > 0.999, "{found:?}");
     }
     if let Some(gpu) = conformance::gpu() {
-        scene.quantities = vec![Quantity::Radiance, Quantity::Range];
         let (view, _) = lit(&prepared, 3.0);
-        let reference = Reference.samples(&scene, &view).unwrap();
-        let pass = Passes::new(gpu).samples(&scene, &view).unwrap();
-        let found = conformance::render::compare(&scene, &reference, &pass);
+        let view = view.with_quantities([Quantity::Radiance, Quantity::Range]);
+        let reference = Renderer::Reference.samples(&scene, &view).unwrap();
+        let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
+        let found = conformance::render::compare(&view, &reference, &pass);
         println!("{found:?}");
         assert!(found.radiance >= 0.999 && found.range < 1e-4, "{found:?}");
     }
     // Without horizons only the ground's own slope shades it.
-    scene.shadows = Shadows::None;
+    scene = scene.with_shadows(Shadows::None);
     let unshadowed = agreement(&truth, &prepared, &scene, 0.0);
     assert!(unshadowed.share < 0.99, "{unshadowed:?}");
 }
@@ -271,7 +269,7 @@ fn shadows_of_the_real_moon_are_as_right_beside_borders_as_elsewhere() {
         let (prepared, mut scene) = ready(&scenario, &folder.path().join("cache"));
         let found = agreement(&truth, &prepared, &scene, 6.0);
         println!("{}: {found:?}", prepared.ground.globe.as_ref().unwrap().summary());
-        scene.shadows = Shadows::None;
+        scene = scene.with_shadows(Shadows::None);
         let unshadowed = agreement(&truth, &prepared, &scene, 6.0);
         println!("{unshadowed:?}");
         assert!(found.pixels > 10_000 && found.in_cast_shadow > 3000, "{found:?}");
@@ -292,7 +290,7 @@ fn detail_follows_the_size_of_pixels_and_the_number_of_tiles_that_are_allowed() 
         (globe.posting_px, globe.most_tiles) = (posting_px, most_tiles);
         let (prepared, scene) = ready(&scenario, folder.path());
         let surface: &Surface = &scene.surface;
-        let samples = Reference.samples(&scene, &prepared.exposures[0].view).unwrap();
+        let samples = Renderer::Reference.samples(&scene, &prepared.exposures[0].view).unwrap();
         let bare = samples.centres.iter().flatten().filter(|hit| !matches!(hit.ground, Ground::Dem { .. })).count();
         assert_eq!(bare, 0, "{}", prepared.ground.globe.as_ref().unwrap().summary());
         tiles.push((surface.terrain.faces.len(), prepared.ground.globe.unwrap().posting_px));

@@ -7,7 +7,6 @@ use perilune_engine::geometry::Body;
 use perilune_engine::pipeline::{self, Silent};
 use perilune_engine::quantity::LUNAR_RADIUS_M;
 use perilune_engine::raster::{Dem, Options};
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Image, Quantity, Renderer};
 use perilune_engine::scenario::{self, Shadows};
 
@@ -46,7 +45,7 @@ fn dem_points_appear_where_a_pinhole_puts_them() {
     let mut prepared = pipeline::prepare(&scenario, cache.path(), &Silent).unwrap();
     let scene = pipeline::scene(&scenario, &mut prepared, Path::new("unused"), &Silent).unwrap();
     let view = &prepared.exposures[0].view;
-    let image = Reference.render(&scene, view).unwrap();
+    let image = Renderer::Reference.render(&scene, view).unwrap();
 
     let dem = Dem::open(&path, &Body::moon(), &Options::default()).unwrap();
     let [west_m, step_x_m, _, north_m, _, step_y_m] = dem.georeference.geotransform;

@@ -1,10 +1,7 @@
 //! Small scenes with closed forms, and whoever can render them.
 
 pub use perilune_bench::stability::scenes::*;
-use perilune_engine::camera::Camera as Optics;
 use perilune_engine::horizon::{self, Encoding, Request, Settings};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
 use perilune_engine::shadow::{Edge, SingleAzimuth, Swept};
 use perilune_engine::terrain::{Face, Terrain};
@@ -34,23 +31,23 @@ pub fn towards() -> [Shadows; 2] {
 }
 
 /// The same scene with traced shadows, with horizon maps, and with skylines towards the light.
-pub fn shadowed(terrain: Terrain, optics: &Optics) -> Vec<Scene> {
+pub fn shadowed(terrain: Terrain) -> Vec<Scene> {
     let maps = fourier(&terrain);
     [Shadows::Traced(Settings::default()), maps]
         .into_iter()
         .chain(towards())
-        .map(|shadows| Scene { shadows, ..scene(terrain.clone(), optics.clone()) })
+        .map(|shadows| scene(terrain.clone()).with_shadows(shadows))
         .collect()
 }
 
 /// What each renderer that can gives, by its name. Without an adapter the compute pass is left out, and it says so. Skylines
 /// that are found on the host are the same in both; `conformance` sees to that.
 pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
-    let mut all = vec![("reference", Reference.samples(scene, view).unwrap())];
-    if !matches!(scene.shadows, Shadows::Traced(_) | Shadows::Towards(_))
+    let mut all = vec![("reference", Renderer::Reference.samples(scene, view).unwrap())];
+    if !matches!(*scene.shadows, Shadows::Traced(_) | Shadows::Towards(_))
         && let Some(gpu) = gpu()
     {
-        all.push(("pass", Passes::new(gpu).samples(scene, view).unwrap()));
+        all.push(("pass", Renderer::on(gpu).samples(scene, view).unwrap()));
     }
     all
 }

@@ -33,8 +33,6 @@ const MAST_M: f64 = 500.0;
 /// Nodes of the analytic terrains: smooth over tens of kilometres.
 const POSTING_M: f64 = 1000.0;
 
-/// The spheroid of Mars (IAU 2009).
-
 /// Heights above a body's figure at places in space.
 pub type Ground<'a> = dyn Fn(Position<BodyFixed>) -> f64 + Sync + 'a;
 

@@ -54,7 +54,7 @@ pub fn traced(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Prof
 pub fn searched(scene: &Scene, settings: &Settings, pixels: &[[usize; 2]]) -> Result<Profiles, Error> {
     let mut profiles = vec![vec![0.0; settings.azimuths]; pixels.len()];
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(&scene.face, 0, major, settings)?.only(pixels);
+        let search = Search::new(&scene.face, 0, major, settings, None)?.only(pixels);
         let along: Vec<usize> =
             (0..settings.azimuths).filter(|azimuth| Major::of(settings.direction(*azimuth)) == major).collect();
         let at = |pixel: &[usize; 2]| search.receivers().index(major, *pixel);

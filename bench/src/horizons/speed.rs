@@ -64,7 +64,7 @@ pub fn searched(scene: &Scene, settings: &Settings, azimuths: usize, run: usize)
     };
     let (mut seconds, mut samples) = (0.0, 0);
     for major in [Major::Row, Major::Column] {
-        let search = Search::new(&scene.face, 0, major, settings)?;
+        let search = Search::new(&scene.face, 0, major, settings, None)?;
         for direction in chosen(major) {
             let mut found = Ok(Vec::new());
             seconds += spent(|| found = black_box(search.elevations_rad(direction)));

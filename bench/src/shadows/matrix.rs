@@ -22,8 +22,6 @@ use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::horizon::HorizonMap;
 use perilune_engine::pipeline::{self, Prepared, Progress, motion};
 use perilune_engine::quantity::ASTRONOMICAL_UNIT_M;
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Scene, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
@@ -216,17 +214,14 @@ fn measure(
     (gpu, repeat): (Option<&Gpu>, usize),
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
-    let mut renderer: Box<dyn Renderer> = match gpu {
-        Some(gpu) => Box::new(Passes::new(gpu)),
-        None => Box::new(Reference),
-    };
     let start = Instant::now();
-    scene.shadows = workshop.shadows(method, progress)?;
-    let first = trial(method.into(), renderer.as_mut(), scene, view)?;
+    *scene = scene.clone().with_shadows(workshop.shadows(method, progress)?);
+    let mut session = Renderer::on_any(gpu).session(scene)?;
+    let first = trial(method.into(), &mut session, view)?;
     let all_s = start.elapsed().as_secs_f64();
     let mut frames = vec![first];
     for _ in 0..repeat {
-        frames.push(trial(method.into(), renderer.as_mut(), scene, view)?);
+        frames.push(trial(method.into(), &mut session, view)?);
     }
     let times: Vec<f64> = frames[1..].iter().map(|frame| frame.seconds).collect();
     let least_s = times.iter().copied().fold(f64::INFINITY, f64::min);

@@ -10,8 +10,7 @@ use super::{Comparison, Trial, compare, level_of, trial};
 use crate::{Error, Value};
 use perilune_engine::image_metrics::{Grid, edges, flip, ssim};
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::reference::Reference;
-use perilune_engine::render::{Quantity, Scene, Shadows, View};
+use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
 use perilune_engine::scenario::Scenario;
 use perilune_engine::statistics::{Errors, median};
 
@@ -40,11 +39,10 @@ pub(super) struct Truth {
 
 impl Truth {
     /// Renders it.
-    pub(super) fn of(scene: &mut Scene, view: &View, workshop: &Workshop) -> Result<Self, Error> {
-        scene.shadows = Shadows::Traced(workshop.settings);
-        let quantities = std::mem::replace(&mut scene.quantities, vec![Quantity::DemGap]);
-        let trial = trial("traced, reference".into(), &mut Reference, scene, view)?;
-        scene.quantities = quantities;
+    pub(super) fn of(scene: &Scene, view: &View, workshop: &Workshop) -> Result<Self, Error> {
+        let scene = scene.clone().with_shadows(Shadows::Traced(workshop.settings));
+        let asked = view.clone().with_quantities([Quantity::DemGap]);
+        let trial = trial("traced, reference".into(), &mut Renderer::Reference.session(&scene)?, &asked)?;
         let centres = &trial.samples.centres;
         let ground: Vec<bool> = centres.iter().map(|hit| level_of(hit).is_some()).collect();
         if !ground.contains(&true) {
@@ -53,8 +51,8 @@ impl Truth {
         let radiances = trial.samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr));
         let white = Errors::of(radiances.filter(|radiance| radiance.is_finite())).p99.max(f64::MIN_POSITIVE);
         let range_m = median(centres.iter().flatten().map(|hit| hit.distance_m).collect()).unwrap_or(f64::NAN);
-        let pixel_m = range_m / scene.optics.focal_px.x;
-        Ok(Self { towards_sun: towards_sun(scene, view, &trial), trial, ground, white, pixel_m })
+        let pixel_m = range_m / view.optics.focal_px.x;
+        Ok(Self { towards_sun: towards_sun(view, &trial), trial, ground, white, pixel_m })
     }
 
     /// The irradiance of a trial against it.
@@ -104,16 +102,16 @@ impl Truth {
 }
 
 /// The direction of the image in which the ground in its middle comes nearer to the Sun.
-fn towards_sun(scene: &Scene, view: &View, trial: &Trial) -> Option<DVec2> {
+fn towards_sun(view: &View, trial: &Trial) -> Option<DVec2> {
     let centres = &trial.samples.centres;
-    let middle = centres.len() / 2 + scene.optics.columns as usize / 2;
+    let middle = centres.len() / 2 + view.optics.columns as usize / 2;
     let hit = centres.get(middle).copied().flatten().or_else(|| centres.iter().flatten().next().copied())?;
     let camera_m = view.camera_position.vector_m();
     let here = hit.position.vector_m();
     let ahead = (view.lights[0].position.vector_m() - here).reject_from(here.normalize()).try_normalize()?;
     let pixel = |point: glam::DVec3| {
         let seen = perilune_engine::geometry::Direction::new(point - camera_m)?;
-        scene.optics.pixel(view.camera_from_body * seen)
+        view.optics.pixel(view.camera_from_body * seen)
     };
     (pixel(here + 1e-3 * hit.distance_m * ahead)? - pixel(here)?).try_normalize()
 }

@@ -17,16 +17,14 @@ use super::Options;
 use crate::horizons::tiles::Scratch;
 use crate::scenes::Scene as Ground;
 use crate::shadows::compare;
-use crate::stability::scenes::{SOLAR_IRRADIANCE_W_M2, pinhole, scene, sun};
+use crate::stability::scenes::{SOLAR_IRRADIANCE_W_M2, pinhole, scene, sun, view};
 use crate::{Error, Table, Value};
-use perilune_engine::camera::Camera as Optics;
+use perilune_engine::camera::Pose;
 use perilune_engine::geometry::{Position, Rotation};
 use perilune_engine::gpu::Gpu;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
 use perilune_engine::pipeline::Progress;
-use perilune_engine::render::passes::Passes;
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
 use perilune_engine::scenario::{self, ShadowPreset};
 use perilune_engine::shadow::Mipmaps;
@@ -174,9 +172,9 @@ impl Set {
         let request = Request { body: &ground.body, face: &ground.face, level: 0, settings, encoding: Encoding::Fm16 };
         let maps = vec![vec![horizon::build(&request, &folder.path, &|_, _| ())?]];
         let mut set = Self { terrain, maps, truth: Vec::new(), on_ground: Vec::new() };
-        let mut scene = set.scene(SMALL, Shadows::Traced(Settings::default()));
-        scene.quantities = vec![Quantity::DemGap];
-        let samples = Reference.samples(&scene, &set.view(0.0))?;
+        let scene = set.scene(Shadows::Traced(Settings::default()));
+        let view = set.view(SMALL, 0.0).with_quantities([Quantity::DemGap]);
+        let samples = Renderer::Reference.samples(&scene, &view)?;
         let is_ground = |hit: &Option<perilune_engine::terrain::Hit>| {
             hit.as_ref().is_some_and(|hit| matches!(hit.ground, Kind::Dem { .. }))
         };
@@ -185,15 +183,12 @@ impl Set {
         Ok(set)
     }
 
-    fn scene(&self, [columns, rows]: [u32; 2], shadows: Shadows) -> Scene {
-        let optics: Optics = pinhole(columns, rows, f64::from(columns) * 0.5 / HALF_WIDTH);
-        let mut scene = scene(self.terrain.clone(), optics);
-        (scene.shadows, scene.quantities) = (shadows, vec![Quantity::Radiance]);
-        scene
+    fn scene(&self, shadows: Shadows) -> Scene {
+        scene(self.terrain.clone()).with_shadows(shadows)
     }
 
     /// Obliquely towards map +Y, the Sun turned a little about the pole.
-    fn view(&self, turned_rad: f64) -> View {
+    fn view(&self, [columns, rows]: [u32; 2], turned_rad: f64) -> View {
         let map = &self.terrain.faces[0].map;
         let (low, high) = self.terrain.faces[0].levels[0].seen_m();
         let (sin, cos) = LOOK_DOWN_DEG.to_radians().sin_cos();
@@ -205,12 +200,10 @@ impl Set {
         let lifted = at_m.extend(map.lifted_height_m(at_m, map.radius_m + HEIGHT_M));
         let mut light = sun(map, AZIMUTH_RAD, SUN_DEG.to_radians());
         light.position = Position::from_m(DQuat::from_rotation_z(turned_rad) * light.position.vector_m());
-        View {
-            exposure: 0,
-            camera_position: map.body_from_lifted(lifted),
-            camera_from_body: Rotation::from_axes(right, down, forward),
-            lights: vec![light],
-        }
+        let camera_from_body = Rotation::from_axes(right, down, forward);
+        view(Pose { position: map.body_from_lifted(lifted), camera_from_body }, vec![light])
+            .with_optics(pinhole(columns, rows, f64::from(columns) * 0.5 / HALF_WIDTH))
+            .with_quantities([Quantity::Radiance])
     }
 
     /// A row a method; ratios are to the first.
@@ -225,14 +218,10 @@ impl Set {
         progress.begin(&format!("frames of {}×{}", size[0], size[1]), methods.len(), "methods");
         let (mut rows, mut first) = (Vec::new(), None);
         for (done, method) in methods.iter().enumerate() {
-            let mut renderer: Box<dyn Renderer> = match gpu {
-                Some(gpu) => Box::new(Passes::new(gpu)),
-                None => Box::new(Reference),
-            };
-            let small = self.scene(SMALL, (method.shadows)(&self.maps));
-            let tried = renderer.samples(&small, &self.view(0.0))?;
+            let scene = self.scene((method.shadows)(&self.maps));
+            let tried = Renderer::on_any(gpu).samples(&scene, &self.view(SMALL, 0.0))?;
             let found = compare(&self.truth, &tried.pixels, &self.on_ground, SOLAR_IRRADIANCE_W_M2);
-            let [frame_ms, device_ms] = self.timed(gpu, &self.scene(size, small.shadows), options)?;
+            let [frame_ms, device_ms] = self.timed(gpu, &scene, size, options)?;
             let (base_ms, printed) = *first.get_or_insert((frame_ms, method.printed_ms));
             let mut row = vec![method.name.as_str().into(), frame_ms.into(), device_ms.into()];
             row.extend(method.printed_ms.map(Value::from));
@@ -246,21 +235,18 @@ impl Set {
     }
 
     /// Least milliseconds of a frame, and what of it the device took: others' work only adds.
-    fn timed(&self, gpu: Option<&Gpu>, scene: &Scene, options: &Options) -> Result<[f64; 2], Error> {
-        let mut renderer: Box<dyn Renderer> = match gpu {
-            Some(gpu) => Box::new(Passes::new(gpu)),
-            None => Box::new(Reference),
-        };
-        // The first frame uploads the ground.
-        renderer.samples(scene, &self.view(0.0))?;
+    fn timed(&self, gpu: Option<&Gpu>, scene: &Scene, size: [u32; 2], options: &Options) -> Result<[f64; 2], Error> {
+        let mut session = Renderer::on_any(gpu).session(scene)?;
+        // The first frame compiles the program.
+        session.samples(&self.view(size, 0.0))?;
         let (mut frames, mut device) = (Vec::new(), Vec::new());
         for frame in 1..=options.repeat {
             // More than the raster on which lights are held still.
-            let view = self.view(5e-5 * frame as f64);
+            let view = self.view(size, 5e-5 * frame as f64);
             let start = Instant::now();
-            renderer.samples(scene, &view)?;
+            session.samples(&view)?;
             frames.push(1e3 * start.elapsed().as_secs_f64());
-            device.extend(renderer.device_time().map(|time| 1e3 * time.as_secs_f64()));
+            device.extend(session.device_time().map(|time| 1e3 * time.as_secs_f64()));
         }
         Ok([frames, device].map(|times| times.into_iter().fold(f64::NAN, f64::min)))
     }

@@ -1,13 +1,12 @@
 //! Every shadow method on a case.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::{Case, Outcome};
 use crate::Error;
 use perilune_engine::gpu::Gpu;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings};
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Renderer, Shadows, View};
 use perilune_engine::shadow::swath::{MOST_PLANES, Plan};
 use perilune_engine::shadow::{Baked, Edge, Mipmaps, Multiscale, SingleAzimuth, Swept};
@@ -100,7 +99,6 @@ pub fn outcome(case: &mut Case, method: &str, gpu: Option<&Gpu>, workbench: &Wor
     if !within_domain(case, method) {
         return Ok(Outcome::Outside);
     }
-    let renderer = || gpu.map_or_else(|| Box::new(Reference) as Box<dyn Renderer>, |gpu| Box::new(Passes::new(gpu)));
     let mut images = Vec::new();
     let mut held = None;
     for view in &case.views {
@@ -109,11 +107,11 @@ pub fn outcome(case: &mut Case, method: &str, gpu: Option<&Gpu>, workbench: &Wor
             let Some(shadows) = workbench.shadows(method, &case.scene.surface, view)? else {
                 return Ok(Outcome::Outside);
             };
-            case.scene.shadows = shadows;
-            held = Some(renderer());
+            case.scene.shadows = Arc::new(shadows);
+            held = Some(Renderer::on_any(gpu).session(&case.scene)?);
         }
-        if let Some(renderer) = &mut held {
-            images.push(renderer.samples(&case.scene, view)?);
+        if let Some(session) = &mut held {
+            images.push(session.samples(view)?);
         }
     }
     Ok(case.outcome(&images))

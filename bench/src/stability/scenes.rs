@@ -2,11 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
-use perilune_engine::camera::Camera as Optics;
-use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position, Rotation};
+use perilune_engine::camera::{Camera as Optics, Pose};
+use perilune_engine::geometry::{Body, Geodetic, Position, Rotation};
 use perilune_engine::photometry::{LimbDarkening, Reflectance, SolarDisk};
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::{Light, Quantity, Samples, Scene, Shadows, View};
+use perilune_engine::render::{Light, Quantity, Samples, Scene, View};
 use perilune_engine::terrain::{Face, Gnomonic, Ground, Hit, Level, Surface, Terrain};
 
 /// Angular radius of the Sun at 1 au, rounded as in the tables of expected values.
@@ -61,25 +61,16 @@ pub fn bare(body: Body) -> Terrain {
     Terrain { body, faces: Vec::new() }
 }
 
-/// A body without terrain or shadows, Lambert ground of albedo 0.2, a uniform Sun, one sample a pixel.
-pub fn scene(terrain: Terrain, optics: Optics) -> Scene {
-    Scene {
-        refine: None,
-        view_rays: Default::default(),
-        surface: Surface::new(terrain),
-        shadows: Shadows::None,
-        reflectance: Reflectance::Lambert { normal_albedo: 0.2 },
-        albedo: None,
-        ambient: None,
-        albedo_role: Default::default(),
-        bounce: None,
-        disk: disk(0.0),
-        optics,
-        detector: None,
-        band_width_nm: None,
-        samples_per_side: 1,
-        quantities: vec![Quantity::Radiance, Quantity::Range],
-    }
+/// A terrain without shadows under a uniform Sun.
+pub fn scene(terrain: Terrain) -> Scene {
+    Scene::new(Surface::new(terrain)).with_disk(disk(0.0))
+}
+
+/// A view of Lambert ground of albedo 0.2 by a camera of one pixel, one sample a pixel.
+pub fn view(pose: Pose, lights: Vec<Light>) -> View {
+    View::new(pose, pinhole(1, 1, 1.0), lights)
+        .with_reflectance(Reflectance::Lambert { normal_albedo: 0.2 })
+        .with_quantities([Quantity::Radiance, Quantity::Range])
 }
 
 pub fn disk(alpha: f64) -> SolarDisk {
@@ -154,21 +145,16 @@ pub fn light(towards: DVec3) -> Light {
 pub fn nadir(map: &Gnomonic, at_m: DVec2, height_m: f64, sun: Light) -> View {
     let lifted = at_m.extend(map.lifted_height_m(at_m, map.radius_m + height_m));
     let [right, down, forward] = [DVec3::X, -DVec3::Y, -DVec3::Z].map(|axis| map.map_from_body.inverse().turn(axis));
-    View {
-        exposure: 0,
-        camera_position: map.body_from_lifted(lifted),
-        camera_from_body: Rotation::from_axes(right, down, forward),
-        lights: vec![sun],
-    }
+    let camera_from_body = Rotation::from_axes(right, down, forward);
+    view(Pose { position: map.body_from_lifted(lifted), camera_from_body }, vec![sun])
 }
 
 /// A camera at a body-fixed place that looks at the body's centre.
 pub fn towards_centre(camera_m: DVec3, lights: Vec<Light>) -> View {
     let forward = -camera_m.normalize();
     let right = forward.any_orthonormal_vector();
-    let camera_position: Position<BodyFixed> = Position::from_m(camera_m);
     let camera_from_body = Rotation::from_axes(right, forward.cross(right), forward);
-    View { exposure: 0, camera_position, camera_from_body, lights }
+    view(Pose { position: Position::from_m(camera_m), camera_from_body }, lights)
 }
 
 /// Map point and Sun fraction of each pixel's centre, for one sample a pixel on ground with heights.
@@ -198,7 +184,7 @@ impl Row {
 
     pub fn view(&self, map: &Gnomonic, sun: Light) -> View {
         let middle_m = DVec2::new((self.west_m + self.east_m) / 2.0, 0.0);
-        nadir(map, middle_m, Self::HEIGHT * (self.east_m - self.west_m), sun)
+        nadir(map, middle_m, Self::HEIGHT * (self.east_m - self.west_m), sun).with_optics(Self::optics())
     }
 
     /// Sun fraction against map X.

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use super::render::{Trial, footprint_terrain, horizons};
 use super::request::{GeometrySource, NORMAL_ALBEDO, Request};
 use super::{Error, Geometry};
-use crate::camera::{Pose, PosedCamera};
+use crate::camera::PosedCamera;
 use crate::dataset;
 use crate::photometry::Reflectance;
 use crate::pipeline::{self, Progress, ground};
 use crate::raster::Picture;
-use crate::render::Scene;
+use crate::render::{AlbedoRole, Scene};
 use crate::scenario;
 
 /// Camera and ground, before anything is rendered.
@@ -49,24 +49,16 @@ fn of_file(
     let mut ground = ground::surface(Some(&terrain), &geometry.body, &request.cache, progress)?;
     // A map holds normal albedos; it multiplies Hapke's law as it is.
     let scale = if matches!(main.reflectance, Reflectance::Hapke(_)) { 1.0 } else { 1.0 / NORMAL_ALBEDO };
-    let map = |path| ground::albedo(&mut ground.surface, path, scale);
+    let map = |path| ground::albedo(&ground.surface, path, scale);
     let albedo = request.albedo.as_deref().map(map).transpose()?;
-    let scene = Scene {
-        ambient: None,
-        albedo_role: Default::default(),
-        bounce: None,
-        shadows: horizons(&ground.surface, &request.cache, progress)?,
-        refine: None,
-        view_rays: Default::default(),
-        surface: ground.surface,
-        reflectance: main.reflectance,
-        albedo,
-        disk: main.disk.clone(),
-        optics: geometry.camera.optics.clone(),
-        detector: None,
-        band_width_nm: None,
-        samples_per_side: 1,
-        quantities: Vec::new(),
+    if let Some(albedo) = &albedo {
+        ground::open_gaps(&mut ground.surface, albedo);
+    }
+    let shadows = horizons(&ground.surface, &request.cache, progress)?;
+    let scene = Scene::new(ground.surface).with_shadows(shadows).with_disk(main.disk.clone());
+    let scene = match albedo {
+        Some(albedo) => scene.with_albedo(albedo, AlbedoRole::Factor),
+        None => scene,
     };
     Ok(Prepared { geometry, scene, inputs: ground.inputs })
 }
@@ -107,14 +99,14 @@ fn of_exposure(
     let mut prepared = pipeline::prepare(&scenario, &request.cache, progress)?;
     let scene = pipeline::scene(&scenario, &mut prepared, &request.cache, progress)?;
     let view = &prepared.exposures[exposure].view;
-    let pose = Pose { position: view.camera_position, camera_from_body: view.camera_from_body };
+    let pose = view.pose();
     let geometry = Geometry {
         body: prepared.frame.body.clone(),
-        camera: PosedCamera { optics: scene.optics.clone(), poses: vec![pose] },
+        camera: PosedCamera { optics: view.optics.clone(), poses: vec![pose] },
         lights: view.lights.clone(),
         source: format!("scenario {}, exposure {exposure}", scenario.name),
     };
-    Ok(Prepared { geometry, scene: Scene { detector: None, ..scene }, inputs: prepared.ground.inputs })
+    Ok(Prepared { geometry, scene, inputs: prepared.ground.inputs })
 }
 
 pub fn no_ground(request: &Request, geometry: &Geometry) -> Error {

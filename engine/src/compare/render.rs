@@ -11,8 +11,6 @@ use crate::gpu::{Adapter, Gpu};
 use crate::horizon::{self, Encoding, Memory};
 use crate::photometry::{Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
-use crate::render::passes::Passes;
-use crate::render::reference::Reference;
 use crate::render::{Image, Light, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
 use crate::scenario;
 use crate::terrain::{Ground, Hit, Surface, Terrain};
@@ -125,7 +123,7 @@ impl Studio {
     /// The scene is seen through the stage's camera.
     pub fn new(stage: &Stage, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
         // Traced shadows are the reference renderer's alone.
-        let traced = matches!(scene.shadows, Shadows::Traced(_));
+        let traced = matches!(*scene.shadows, Shadows::Traced(_));
         let gpu = match adapter {
             AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
             AdapterChoice::Auto if !traced => Gpu::open(Adapter::Auto).ok(),
@@ -140,13 +138,10 @@ impl Studio {
     pub fn restage(&mut self, stage: &Stage) {
         let view = |(index, pose): (usize, &crate::camera::Pose)| View {
             exposure: index as u64,
-            camera_position: pose.position,
-            camera_from_body: pose.camera_from_body,
-            lights: stage.lights.to_vec(),
+            samples_per_side: stage.samples,
+            ..View::new(*pose, stage.camera.optics.clone(), stage.lights.to_vec())
         };
         self.views = stage.camera.poses.iter().enumerate().map(view).collect();
-        self.scene.optics = stage.camera.optics.clone();
-        self.scene.samples_per_side = stage.samples;
         self.up = stage.up;
     }
 
@@ -155,19 +150,17 @@ impl Studio {
     }
 
     pub fn adapter(&self) -> String {
-        self.gpu.as_ref().map_or_else(|| Reference.adapter(), Gpu::describe)
+        Renderer::on_any(self.gpu.as_ref()).adapter()
     }
 
     /// Every plane of the view as the trial has it; NaN off the elevation models.
     pub fn whole(&mut self, trial: &Trial) -> Result<Planes, Error> {
-        self.scene.quantities = GEOMETRIC.to_vec();
-        self.render(trial)
+        self.render(trial, &GEOMETRIC)
     }
 
     /// Radiance alone, also of the bare body.
     pub fn radiance(&mut self, trial: &Trial) -> Result<Grid, Error> {
-        self.scene.quantities = vec![Quantity::Radiance];
-        Ok(self.render(trial)?.grid("RADIANCE"))
+        Ok(self.render(trial, &[Quantity::Radiance])?.grid("RADIANCE"))
     }
 
     fn turned(&self, sun: Position<BodyFixed>, [azimuth_rad, elevation_rad]: [f64; 2]) -> Position<BodyFixed> {
@@ -177,32 +170,19 @@ impl Studio {
         Position::from_m(DQuat::from_axis_angle(self.up, -azimuth_rad) * risen)
     }
 
-    fn render(&mut self, trial: &Trial) -> Result<Planes, Error> {
-        (self.scene.reflectance, self.scene.disk) = (trial.reflectance, trial.disk.clone());
-        let kept = (!trial.shadows).then(|| std::mem::replace(&mut self.scene.shadows, Shadows::None));
-        let image = self.exposures(trial);
-        if let Some(shadows) = kept {
-            self.scene.shadows = shadows;
-        }
-        image
-    }
-
     /// The exposures one below the other.
-    fn exposures(&self, trial: &Trial) -> Result<Planes, Error> {
-        let mut passes = self.gpu.as_ref().map(Passes::new);
-        let mut reference = Reference;
-        let renderer: &mut dyn Renderer = match &mut passes {
-            Some(passes) => passes,
-            None => &mut reference,
-        };
+    fn render(&self, trial: &Trial, quantities: &[Quantity]) -> Result<Planes, Error> {
+        let scene = self.scene.clone().with_disk(trial.disk.clone());
+        let scene = if trial.shadows { scene } else { scene.with_shadows(Shadows::None) };
+        let mut session = Renderer::on_any(self.gpu.as_ref()).session(&scene)?;
         let mut whole: Option<Image> = None;
         for view in &self.views {
-            let mut view = view.clone();
+            let mut view = view.clone().with_reflectance(trial.reflectance).with_quantities(quantities);
             view.lights[0].angular_radius_rad *= trial.sun_radii;
             view.lights[0].position = self.turned(view.lights[0].position, trial.sun_turn_rad);
-            let samples = renderer.samples(&self.scene, &view)?;
-            let mut part = planes::image(&self.scene, &view, &samples);
-            if self.scene.needs_centres() {
+            let samples = session.samples(&view)?;
+            let mut part = planes::image(&scene, &view, &samples);
+            if scene.needs_centres(&view) {
                 let on_terrain = |hit: &Option<Hit>| hit.is_some_and(|hit| matches!(hit.ground, Ground::Dem { .. }));
                 mask(&mut part, &samples.centres.iter().map(on_terrain).collect::<Vec<_>>());
             }

@@ -14,8 +14,6 @@
 //! Acton (1996), Planet. Space Sci. 44, 65, doi:10.1016/0032-0633(95)00107-7.
 //! Park et al. (2021), Astron. J. 161, 105, doi:10.3847/1538-3881/abd414, for DE440.
 
-use std::path::Path;
-
 use anise::almanac::Almanac as Anise;
 use anise::constants::orientations::J2000;
 use anise::math::{Matrix3, Vector3};
@@ -72,9 +70,9 @@ pub(super) struct State {
 }
 
 impl Almanac {
-    /// The kernels that come with the program, from the folder that holds them.
-    pub fn default_kernels(folder: &Path) -> Result<Self, EphemerisError> {
-        Self::load(&super::DEFAULT_KERNELS.map(|name| folder.join(name)))
+    /// The kernels that come with the program, see [`default_kernels`](super::default_kernels).
+    pub fn default_kernels() -> Result<Self, EphemerisError> {
+        Self::load_sources(&super::default_kernels())
     }
 
     /// What was loaded, for manifests.

@@ -36,11 +36,10 @@ use rayon::prelude::*;
 use super::EphemerisError;
 use super::daf::{ChebyshevSegment, write_spk};
 use super::epoch::utc_text;
+use super::shipped::DEFAULT_KERNELS;
 use crate::files;
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 
-/// Files of the default set: positions, then constants.
-pub const DEFAULT_KERNELS: [&str; 2] = ["perilune_2020_2040.bsp", "perilune_iau.tpc"];
 /// Radii, rotations and masses, an excerpt of `pck00011.tpc` and `gm_de440.tpc`.
 const CONSTANTS: &str = include_str!("../../../kernels/perilune_iau.tpc");
 /// Mass of the Earth over that of the Moon. DE440.
@@ -204,19 +203,6 @@ fn mars_km(et_s: f64) -> DVec3 {
     const MARS: i32 = 4;
     let (from_sun, _) = sofars::eph::plan94(J2000_JD, et_s / DAY_S, MARS).expect("4 is a planet");
     sun_km(et_s) + kilometres(from_sun)
-}
-
-/// Where the default kernels lie: the folder `SIM_KERNELS`, else `kernels` here, else that of the source tree.
-pub fn default_kernel_folder() -> PathBuf {
-    if let Some(folder) = std::env::var_os("SIM_KERNELS") {
-        return folder.into();
-    }
-    let here = PathBuf::from("kernels");
-    if here.join(DEFAULT_KERNELS[0]).is_file() {
-        here
-    } else {
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../kernels").into()
-    }
 }
 
 /// The span of the default kernels: from, until.

@@ -12,6 +12,7 @@ use anise::structure::{EulerParameterDataSet, PlanetaryDataSet};
 use super::daf::{self, DafError, Kind, Segment};
 use super::epoch::et_text;
 use super::names::{body_name, frame_name};
+use super::shipped::KernelSource;
 use super::{EphemerisError, known_file};
 
 /// A kernel file and what it holds.
@@ -51,15 +52,15 @@ pub(super) enum Contents {
 impl Kernel {
     /// Reads what a file covers, without checking that all of it can be used.
     pub fn open(path: &Path) -> Result<Self, EphemerisError> {
-        Self::read(path).map(|(kernel, _)| kernel)
+        Self::read(&KernelSource::File(path.to_owned())).map(|(kernel, _)| kernel)
     }
 
-    pub(super) fn read(path: &Path) -> Result<(Self, Contents), EphemerisError> {
-        let bytes = std::fs::read(path).map_err(|source| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let hint = known_file(&name).map(|file| format!("; it is {}; get it from {}", file.what, file.source));
-            EphemerisError::Unreadable { path: path.to_owned(), hint: hint.unwrap_or_default(), source }
-        })?;
+    pub(super) fn read(source: &KernelSource) -> Result<(Self, Contents), EphemerisError> {
+        let path = source.path();
+        let bytes = match source {
+            KernelSource::File(path) => read_file(path)?,
+            KernelSource::Shipped(kernel) => kernel.bytes.to_vec(),
+        };
         let sha256 = crate::digest::sha256_hex(&bytes);
         let contents = Contents::from_bytes(path, bytes)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -93,6 +94,14 @@ impl Kernel {
         }
         lines
     }
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, EphemerisError> {
+    std::fs::read(path).map_err(|source| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let hint = known_file(&name).map(|file| format!("; it is {}; get it from {}", file.what, file.source));
+        EphemerisError::Unreadable { path: path.to_owned(), hint: hint.unwrap_or_default(), source }
+    })
 }
 
 impl Segment {

@@ -18,6 +18,7 @@ use super::daf::{DafError, Kind, Segment};
 use super::epoch::et_text;
 use super::kernel::{Contents, Kernel};
 use super::names::{LUNAR_FRAMES, body_name};
+use super::shipped::KernelSource;
 use super::{Almanac, EphemerisError};
 
 /// SPK types that are evaluated, and the only one of binary PCK.
@@ -29,12 +30,18 @@ const ICRF: i32 = 1;
 impl Almanac {
     /// Loads kernels in order; where two cover the same, the later one wins, as in SPICE.
     pub fn load(paths: &[PathBuf]) -> Result<Self, EphemerisError> {
+        Self::load_sources(&paths.iter().cloned().map(KernelSource::File).collect::<Vec<_>>())
+    }
+
+    /// Loads kernels in order, from files or from the program; where two cover the same, the later one wins, as in SPICE.
+    pub fn load_sources(sources: &[KernelSource]) -> Result<Self, EphemerisError> {
         let mut anise = Anise::default();
         let mut kernels: Vec<Kernel> = Vec::new();
         let mut constants = HashMap::new();
         let mut constants_path = PathBuf::new();
-        for path in paths {
-            let (kernel, contents) = Kernel::read(path)?;
+        for source in sources {
+            let (kernel, contents) = Kernel::read(source)?;
+            let path = source.path();
             check_segments(&kernel)?;
             // ANISE keeps kernels by name, and two folders may hold one name.
             let alias = Some(format!("{} {}", kernels.len(), path.display()));
@@ -44,7 +51,7 @@ impl Almanac {
                 Contents::Frames(set) => anise.with_euler_parameters_as(set, alias),
                 Contents::Text { bodies, frames } => {
                     if !bodies.is_empty() {
-                        constants_path.clone_from(path);
+                        path.clone_into(&mut constants_path);
                     }
                     merge_constants(&mut constants, bodies);
                     with_fixed_frames(anise, path, frames, alias)?

@@ -18,15 +18,17 @@ mod kernel;
 mod load;
 mod manifest;
 mod names;
+mod shipped;
 mod sun;
 
 pub use almanac::{Almanac, BodyFrame, Orientation};
 pub use daf::{DafError, Kind, Segment};
-pub use default_kernels::{DEFAULT_KERNELS, default_kernel_folder, default_span, make_default_kernels};
+pub use default_kernels::{default_span, make_default_kernels};
 pub use epoch::{parse_epoch, utc_text};
 pub use error::EphemerisError;
 pub use hifitime::Epoch;
 pub use kernel::{Format, Kernel};
 pub use manifest::{KnownFile, known_file, known_files};
 pub use names::{body_id, body_name, frame_name};
+pub use shipped::{DEFAULT_KERNELS, KernelSource, ShippedKernel, default_kernels};
 pub use sun::{EARTH_RADIUS_M, Horizontal, Source, apparent, earth, horizontal, sun};

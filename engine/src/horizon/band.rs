@@ -10,31 +10,7 @@
 //! Fitted in place of `h`, a cliff's ringing shrinks from a fraction of its height to that fraction of the band. The vertical is the
 //! point's own: over a map of 370 km the Sun's elevation changes by 12°.
 //!
-//! How much that gains depends on what else an encoding loses. On 64² nodes of cratered terrain under a Sun at 1.5° in all
-//! azimuths, as fractions of what `fm16` without a band errs (numerical experiment, margins in radii beyond the disc):
-//!
-//! | series | pixel error rate | RMS | RMS in the penumbra |
-//! |---|---|---|---|
-//! | 15 harmonics, full resolution, exact: none; margin 4; 2; ½ | 0.68; 0.61; 0.54; 0.42 | 0.74; 0.76; 0.77; 0.99 | 0.76; 0.75; 0.70; 0.70 |
-//! | 31 harmonics, the same | 0.30; 0.25; 0.25; 0.18 | 0.36; 0.34; 0.35; 0.49 | 0.39; 0.37; 0.37; 0.45 |
-//! | `w21` of 31 harmonics: none; margin 4; 2; 1 | 0.39; 0.35; 0.32; 0.30 | 0.44; 0.40; 0.41; 0.46 | 0.47; 0.43; 0.42; 0.44 |
-//!
-//! Most of `fm16`'s error is lost resolution, which no band gives back. What clamping leaves is the ringing of the corners
-//! that it makes itself. A series free to take any value beyond the band on the right side (twenty alternating projections)
-//! has 0.41 and 0.19 of the wrong pixels with 15 and 31 exact harmonics at a margin of 3. In `w21`, at a margin of 2 and ten
-//! projections, it has 0.32, as after clamping: there quantisation is what is left.
-//!
-//! On whole exposures with `fm16` it was no clear gain. Shadows against traced ones, without and with the band:
-//!
-//! | scene | Sun | agreement | RMS, full Sun | RMS in the penumbra |
-//! |---|---|---|---|---|
-//! | connecting ridge, 5 km within 100 km | 1.9° | 99.61, 99.60 % | 0.00132, 0.00124 | 0.0088, 0.0083 |
-//! | cratered highland, six levels | 4.1° | 98.84, 98.83 % | 0.00282, 0.00312 | 0.0109, 0.0124 |
-//!
-//! Over seven scenes and Suns at 1.5° to 15° in all azimuths (`sim bench encodings`) the pixel error rate is, without and
-//! with the band, 1 and 0.98 in `fm16` (1.3 on cratered highland and both real models), 0.37 and 0.28 in `w21`, 0.46 and
-//! 0.34 in `w16`; the RMS in penumbras 0.56 and 0.47 in `w21`. It gains most where cliffs ring (blocks 0.47 and 0.15,
-//! needles 0.72 and 0.55) and little on the connecting ridge (0.28 and 0.25). So it is not the default.
+//! It gains where cliffs ring and little elsewhere, so that it is not the default: `docs/experiments/horizon_band.md`.
 //!
 //! # Assumptions
 //! A series of clamped elevations tells nothing outside the band. The cap of a sequence that follows the Sun
@@ -48,11 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::{BodyFixed, Direction};
 use crate::terrain::Gnomonic;
 
-/// What is left above and below the discs, in their radii. By Gibbs a cliff across the band rings by 0.107 of twice the
-/// reach, so 0.27 radii would keep it off the disc, but less than 2 radii did harm: on one exposure of the connecting ridge
-/// the RMS error of the irradiance (`fm16`) was 1.40, 1.20, 1.01, 0.93, 0.97, 1.10 of that without a band at 0.5, 1, 2, 4,
-/// 8, 16 radii. What errs less asks for less: in penumbras `w21` has 0.51, 0.49, 0.48 of the RMS of `fm16` without a band
-/// at 4, 3, 2 radii (seven scenes of 96² nodes).
+/// What is left above and below the discs, in their radii: less than 2 did harm (`docs/experiments/horizon_band.md`).
 pub const MARGIN_RADII: f64 = 3.0;
 
 /// The middle and the reach are rounded to this, so that a header reads back as itself and other machines find the tile.
@@ -145,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn clamping_never_changes_on_which_side_of_a_disc_the_skyline_is() {
+    fn clamping_keeps_the_skyline_on_its_side_of_a_disc() {
         let lights = lights(&[[0.3, 0.02], [0.35, 0.03], [0.4, 0.01]]);
         let (band, map) = (ElevationBand::about(&lights).unwrap(), map());
         for at_m in [DVec2::ZERO, DVec2::new(180_000.0, -90_000.0), DVec2::new(-184_000.0, 184_000.0)] {
@@ -163,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_band_of_one_light_is_its_disc_and_the_margin_and_of_opposite_ones_none() {
+    fn one_light_has_a_band_and_opposite_lights_have_none() {
         let [low_rad, high_rad] = ElevationBand::about(&lights(&[[1.0, 0.1]])).unwrap().ends_rad(&map(), DVec2::ZERO);
         let reach_rad = (1.0 + MARGIN_RADII) * SUN_RADIUS_RAD;
         // Rounded to a microradian each.

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stored_bound_is_never_below_the_one_it_stands_for_nor_far_above() {
+    fn a_stored_bound_is_never_below_its_own_nor_far_above() {
         for i in 0..10_000 {
             let bound_rad = least_rad() * (1.0 + f64::from(i) * 3.0).min(5e4);
             let stored_rad = decode_rad(encode(bound_rad)).unwrap();

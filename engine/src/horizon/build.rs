@@ -26,30 +26,32 @@ use super::measure::{Sample, measure};
 use super::memory::{self, Memory};
 use super::pack::HorizonMap;
 use super::request::Request;
+use super::resources::Resources;
 use super::search::Search;
 use super::store;
 use super::texel_store::TexelStore;
 use crate::files;
+use crate::gpu::Gpu;
 
 /// How much work a kill may cost.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(20);
 /// Pixels on which a tile measures its own error.
 pub const MEASURED_PIXELS: usize = 64;
 
-/// Told how many of how many azimuths are done.
+/// Reports progress: azimuths done, and all.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// The horizon map asked for from its tile in `directory`, made first where there is no such tile, or a damaged one.
-pub fn open_or_build(
-    request: &Request,
+pub fn open_or_build<'a>(
+    request: &Request<'a>,
     directory: &Path,
-    memory: Memory,
+    resources: impl Into<Resources<'a>>,
     progress: &Progress,
 ) -> Result<HorizonMap, Error> {
     request.check()?;
     match store::read_of(directory, &request.key()) {
         Ok(map) => Ok(map),
-        Err(_) => build_at(request, &store::path_for(directory, &request.key()), memory, progress),
+        Err(_) => build_at(request, &store::path_for(directory, &request.key()), resources, progress),
     }
 }
 
@@ -59,9 +61,14 @@ pub fn build(request: &Request, directory: &Path, progress: &Progress) -> Result
     build_at(request, &store::path_for(directory, &request.key()), Memory::default(), progress)
 }
 
-/// Makes the horizon map asked for within some memory and stores its tile under a name.
-pub fn build_at(request: &Request, path: &Path, memory: Memory, progress: &Progress) -> Result<HorizonMap, Error> {
-    let mut builder = Builder::new(request, path, memory)?;
+/// Makes the horizon map asked for with what it may use of the machine, and stores its tile under a name.
+pub fn build_at<'a>(
+    request: &Request<'a>,
+    path: &Path,
+    resources: impl Into<Resources<'a>>,
+    progress: &Progress,
+) -> Result<HorizonMap, Error> {
+    let mut builder = Builder::new(request, path, resources)?;
     let mut saved = Instant::now();
     while builder.done() < request.settings.azimuths {
         builder.step()?;
@@ -78,6 +85,7 @@ pub fn build_at(request: &Request, path: &Path, memory: Memory, progress: &Progr
 #[derive(Debug)]
 pub struct Builder<'a> {
     request: Request<'a>,
+    device: Option<&'a Gpu>,
     path: PathBuf,
     checkpoint: Checkpoint,
     /// Azimuths along the rows' axis, then along the columns'.
@@ -93,8 +101,9 @@ pub struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// A build of a tile, where a checkpoint of it left off if there is one.
-    pub fn new(request: &Request<'a>, path: &Path, memory: Memory) -> Result<Self, Error> {
+    pub fn new(request: &Request<'a>, path: &Path, resources: impl Into<Resources<'a>>) -> Result<Self, Error> {
         request.check()?;
+        let Resources { memory, device } = resources.into();
         if let Some(directory) = path.parent() {
             fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
             files::remove_stale(directory).map_err(|source| Error::read(directory, source))?;
@@ -119,6 +128,7 @@ impl<'a> Builder<'a> {
         let (block, probes) = (allowance.planes, allowance.probes_fit.then(Vec::new));
         Ok(Self {
             request: *request,
+            device,
             path: path.into(),
             checkpoint,
             order,
@@ -146,7 +156,7 @@ impl<'a> Builder<'a> {
             // One orientation of the heights at a time.
             self.search = None;
             let limits = settings.band.map(|band| BandLimits::of(&band, &face.map, &face.levels[*level], major));
-            self.search = Some((major, Search::new(face, *level, major, settings)?, limits));
+            self.search = Some((major, Search::new(face, *level, major, settings, self.device)?, limits));
         }
         let Some((_, search, limits)) = &self.search else { return Ok(()) };
         let plane = |&azimuth: &usize| search.plane(limits.as_ref(), settings, azimuth);
@@ -179,7 +189,12 @@ impl<'a> Builder<'a> {
             true => (TexelStore::Memory(map), calibration::BLOCK),
             false => (TexelStore::on_disk(map, &self.path.with_extension("texels"))?, self.block),
         };
-        let swept = calibration::Swept { request: &self.request, planes: &self.probes.unwrap_or_default(), block };
+        let swept = calibration::Swept {
+            request: &self.request,
+            device: self.device,
+            planes: &self.probes.unwrap_or_default(),
+            block,
+        };
         let (bounds, statistics) =
             calibration::bounds(&swept, &texels, &self.state.sample.pixels, &errors.decoded_rad)?;
         let mut map = texels.take()?;

@@ -33,6 +33,7 @@ use super::request::Request;
 use super::search::Search;
 use super::statistics::{BoundStatistics, ErrorStatistics};
 use super::texel_store::TexelStore;
+use crate::gpu::Gpu;
 
 /// Azimuths at which every node is compared with its sweep, at least.
 pub const AZIMUTHS: usize = 60;
@@ -45,6 +46,8 @@ const ONE_BEYOND: usize = 20;
 #[derive(Debug, Clone, Copy)]
 pub struct Swept<'a> {
     pub request: &'a Request<'a>,
+    /// Where the search wants one.
+    pub device: Option<&'a Gpu>,
     /// The planes at hand; the others are swept again, `block` at a time.
     pub planes: &'a [ElevationPlane],
     pub block: usize,
@@ -125,7 +128,7 @@ fn largest_errors_rad(swept: &Swept, texels: &TexelStore, probed: &[usize]) -> R
         let azimuths: Vec<usize> = probed.iter().filter(along).copied().collect();
         let search = match azimuths.iter().all(|azimuth| at_hand(*azimuth).is_some()) {
             true => None,
-            false => Some((Search::new(face, *level, major, settings)?, limits(major))),
+            false => Some((Search::new(face, *level, major, settings, swept.device)?, limits(major))),
         };
         for block in azimuths.chunks(swept.block) {
             let plane = |&azimuth: &usize| match at_hand(azimuth) {

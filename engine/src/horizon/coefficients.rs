@@ -91,7 +91,7 @@ pub struct Coefficient {
 }
 
 impl Coefficient {
-    /// Of a texel.
+    /// The whole number in a texel.
     pub fn get(&self, texel: &[u32]) -> i32 {
         match &self.location {
             Location::Half { word, shift } => i32::from(ordered((texel[*word] >> shift) as u16 as i16)),
@@ -149,10 +149,10 @@ pub fn coefficients(encoding: Encoding, fields: &[Vec<BitField>]) -> Vec<Coeffic
     let real =
         |real: usize| if real.is_multiple_of(2) { CoefficientName::A(real / 2) } else { CoefficientName::B(real / 2) };
     let of = encoding.samples();
-    let of_page = |(level, page): (usize, super::pack::Page)| match encoding.family() {
-        Family::Halves => halves(level, page.scale, page.words, &complex),
-        Family::Samples => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
-        Family::Fields => {
+    let of_page = |(level, page): (usize, super::pack::PageLayout)| match encoding.family() {
+        Family::Fourier => halves(level, page.scale, page.words, &complex),
+        Family::Sampled => halves(level, page.scale, page.words, &|_, index| CoefficientName::Sample { index, of }),
+        Family::Quantised => {
             let (scale, bits) = (page.scale, encoding.gain_bits());
             let field = |field: &BitField| (real(field.real), Location::Field(*field));
             let gain = (bits > 0).then_some((CoefficientName::Gain, Location::Gain(bits)));
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whole_numbers_keep_the_order_of_half_floats_and_give_them_back() {
+    fn whole_numbers_keep_the_order_of_half_floats() {
         let finite = |bits: &u16| f16::from_bits(*bits).is_finite();
         let mut halves: Vec<u16> = (0..=u16::MAX).filter(finite).collect();
         assert!(halves.iter().all(|bits| ordered(ordered(*bits as i16)) as u16 == *bits));

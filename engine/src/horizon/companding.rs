@@ -8,14 +8,7 @@
 //! high up. With κ = 2.5 errors at 0°, 6°, 15°, 30° and 45° count 1, 1.08, 1.40, 2.1 and 2.8, and a wall of 80° rings as one of
 //! 38° does. A cubic, and no inverse hyperbolic sine, since a shader expands what it sees.
 //!
-//! Of `fm16`'s wrong pixels `w21` has, on patches of 96² nodes, with κ = 2.5 and 0 (numerical experiment):
-//!
-//! | scene | Sun at 1.5° | 3° | 6° | 15° | 30° | 45° |
-//! |---|---|---|---|---|---|---|
-//! | cratered | 0.25, 0.25 | 0.25, 0.26 | 0.28, 0.27 | 0.39, 0.33 | 0.68, 0.41 | none errs |
-//! | connecting ridge | 0.26, 0.27 | 0.28, 0.27 | 0.25, 0.25 | 0.30, 0.27 | none errs | none errs |
-//! | blocks | 0.54, 0.67 | 0.50, 0.59 | 0.37, 0.44 | 0.48, 0.45 | 0.64, 0.44 | 0.78, 0.39 |
-//! | needles of one node | 0.88, 0.99 | 0.81, 0.90 | 0.71, 0.78 | 0.58, 0.61 | 0.48, 0.46 | 0.68, 0.40 |
+//! What that gains and costs by the Sun's elevation: `docs/experiments/horizon_companding.md`.
 
 use super::wide::wide;
 
@@ -57,7 +50,7 @@ mod tests {
 
     const GROWTH: f64 = 2.5;
 
-    /// Of the real root in closed form: `g = 2/√(3κ) sinh(⅓ asinh(1.5 √(3κ) h))`.
+    /// The closed form of the real root is `g = 2/√(3κ) sinh(⅓ asinh(1.5 √(3κ) h))`.
     #[test]
     fn the_compressed_elevation_is_the_root_of_the_cubic() {
         let scale = (3.0 * GROWTH).sqrt();

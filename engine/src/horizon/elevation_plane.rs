@@ -19,7 +19,7 @@ impl ElevationPlane {
         self.elevations_rad[major.index(self.stride, [column, row])]
     }
 
-    /// Some rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.
+    /// Rows of the map one after the other; `turned` where the plane's own rows run along the map's columns.
     pub(super) fn rows<'a>(
         &'a self,
         rows: Range<usize>,

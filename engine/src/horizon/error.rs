@@ -33,6 +33,8 @@ pub enum Error {
     OtherKey { path: PathBuf, got: String, expected: String },
     #[error("{path}: page {page} is {got:?}, the header says {expected:?} texels")]
     Page { path: PathBuf, page: usize, got: (u32, u32), expected: (u32, u32) },
+    #[error("the search on a graphics device was asked for, but no device was opened")]
+    NoDevice,
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
 }

@@ -49,7 +49,7 @@ const PAD: usize = LANES + 8;
 /// Half the step between 1 and the next `f32`.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
-/// Of the way from a slope to an elevation in `f32`: some ten roundings and the arc tangent's 2e-7.
+/// Rounding on the way from a slope to an elevation in `f32`: ten operations and the arc tangent's 2e-7.
 pub const ANGLE_ROUNDING_RAD: f64 = 1e-6;
 
 /// Elevations between which a skyline lies, in radians.
@@ -77,7 +77,7 @@ pub struct Exact<'a> {
     twists_m: Vec<f32>,
     /// The steepest step between neighbouring nodes, as a slope.
     steepest: f64,
-    /// Of each receiver, whether it is searched.
+    /// Whether each receiver is searched.
     wanted: Vec<bool>,
     pub receivers: Receivers,
 }
@@ -111,7 +111,7 @@ impl<'a> Exact<'a> {
         plane
     }
 
-    /// The same skylines, as elevations between which they lie whatever was rounded.
+    /// The elevations between which the skylines lie, whatever was rounded.
     pub fn intervals_rad(&self, direction: DVec2) -> Vec<Interval> {
         let ray = self.ray(direction);
         let slopes = self.slopes(&ray, direction);

@@ -65,12 +65,12 @@ impl Accumulator {
         };
         let texel = 2 * TEXEL_COEFFICIENTS;
         let groups = match encoding.family() {
-            Family::Halves => {
+            Family::Fourier => {
                 let pages = encoding.pages().into_iter().enumerate();
                 pages.map(|(index, page)| group(page.scale, index * texel, texel)).collect()
             }
-            Family::Samples => vec![group(1, 0, encoding.samples())],
-            Family::Fields => {
+            Family::Sampled => vec![group(1, 0, encoding.samples())],
+            Family::Quantised => {
                 (0..2 * (encoding.harmonics() + 1)).step_by(texel).map(|first| group(1, first, texel)).collect()
             }
         };
@@ -97,8 +97,8 @@ impl Accumulator {
     /// What [`Self::map`] takes beside the sums: of a pyramid of fields the coarse means, and what is decoded of them.
     pub fn fit_bytes(&self) -> usize {
         match self.encoding.family() {
-            Family::Fields => 2 * self.bytes() / 3,
-            Family::Halves | Family::Samples => 0,
+            Family::Quantised => 2 * self.bytes() / 3,
+            Family::Fourier | Family::Sampled => 0,
         }
     }
 
@@ -165,7 +165,7 @@ impl Accumulator {
         sums.par_chunks_mut(group.strip()).enumerate().for_each_init(Default::default, of_strip);
     }
 
-    /// The same sums for an encoding that keeps the first groups of them, or the same ones with other bits.
+    /// These sums for an encoding that keeps the first groups of them, or all of them with other bits.
     pub fn narrowed(&self, encoding: Encoding) -> Self {
         let groups = Self::on_disk(encoding, self.columns, self.rows, self.azimuths).groups.len();
         Self { encoding, groups: self.groups[..groups].to_vec(), ..*self }
@@ -174,10 +174,10 @@ impl Accumulator {
     /// The sums as a map, its errors not yet measured.
     pub fn map(&self) -> HorizonMap {
         let (levels, fields) = match self.encoding.family() {
-            Family::Halves => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
-            Family::Samples => (self.halves(pack), Vec::new()),
-            Family::Fields if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
-            Family::Fields => bit_allocation::pyramid(self.encoding, &self.groups),
+            Family::Fourier => (self.halves(|[re, im]| pack([re, -im])), Vec::new()),
+            Family::Sampled => (self.halves(pack), Vec::new()),
+            Family::Quantised if self.encoding == Encoding::Q => equal::pyramid(self.encoding, &self.groups),
+            Family::Quantised => bit_allocation::pyramid(self.encoding, &self.groups),
         };
         let (encoding, columns, rows) = (self.encoding, self.columns, self.rows);
         let (errors, bounds) = (TileErrors::default(), Bounds::unknown(columns, rows));
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_along_the_columns_adds_what_the_same_one_along_the_rows_does() {
+    fn planes_along_columns_and_along_rows_add_alike() {
         let (columns, rows) = (19, 10);
         let along_rows = planes(columns, rows, 40);
         let turned = |plane: &ElevationPlane| {

@@ -25,7 +25,7 @@ use super::observer::ON_GROUND_M;
 use super::receivers::Receivers;
 use super::settings::Settings;
 use super::sweep::grid::{HeightGrid, middle_m};
-use crate::gpu::{Adapter, Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError};
 use crate::terrain::Face;
 
 /// Nodes side by side that a workgroup looks from, as in the shader.
@@ -69,8 +69,8 @@ struct Nodes {
 
 /// A level's terrain on the device, and all that the azimuths along one major axis share.
 #[derive(Debug)]
-pub struct OnDevice {
-    gpu: Gpu,
+pub struct OnDevice<'a> {
+    gpu: &'a Gpu,
     pipeline: wgpu::ComputePipeline,
     /// Levels, tables of maxima, heights, maxima, observers.
     buffers: [wgpu::Buffer; 5],
@@ -81,10 +81,9 @@ pub struct OnDevice {
     pub receivers: Receivers,
 }
 
-impl OnDevice {
-    /// Prepares one level of a face for the azimuths along `major`, on the fastest device.
-    pub fn new(face: &Face, level: usize, major: Major, settings: &Settings) -> Result<Self, Error> {
-        let gpu = Gpu::open(Adapter::Auto)?;
+impl<'a> OnDevice<'a> {
+    /// Prepares one level of a face for the azimuths along `major` on an open device.
+    pub fn new(gpu: &'a Gpu, face: &Face, level: usize, major: Major, settings: &Settings) -> Result<Self, Error> {
         let shader = concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"));
         let pipeline = gpu.compute("horizons", shader, "main", &[])?;
         let levels = &face.levels[level..];

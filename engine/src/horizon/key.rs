@@ -38,7 +38,7 @@ impl Key {
         hash.update(cast_slice::<f64, u8>(&map.map_from_body.matrix().to_cols_array()));
         hash.update((settings.azimuths as u64).to_le_bytes());
         hash.update(encoding.name());
-        if encoding.family() == Family::Fields {
+        if encoding.family() == Family::Quantised {
             hash.update([bit_allocation::REVISION]);
         }
         match settings.method {

@@ -8,6 +8,8 @@
 //! it goes to planes. A build never fails for its budget: one plane is the least, and the fit of a pyramid of fields, whose
 //! coarse means are in memory, takes what it takes.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::calibration;
 use super::fit::Accumulator;
 use super::pack::{Encoding, Family};
@@ -80,7 +82,7 @@ impl Memory {
             let probes_fit = probes <= PROBES.min(left - sums - threads * swept);
             let kept = sums + if probes_fit { probes } else { 0 };
             // Sums are read and written once for all planes of a block.
-            let most = if request.encoding.family() == Family::Fields { PLANES_EACH } else { 1 };
+            let most = if request.encoding.family() == Family::Quantised { PLANES_EACH } else { 1 };
             let each = ((left - kept) / swept / threads).min(most);
             return Allowance { sums_fit: true, planes: each * threads, probes_fit };
         }
@@ -97,10 +99,15 @@ fn sums(encoding: Encoding, columns: usize, rows: usize, azimuths: usize) -> usi
     accumulator.bytes() + accumulator.fit_bytes()
 }
 
-/// Lets the C library keep buffers that were freed for the next azimuth's. By itself it returns the end of a thread's heap to the
+/// Whether the program has given its allocator into the hands of builds: a library leaves its host's alone.
+static MANAGED: AtomicBool = AtomicBool::new(false);
+
+/// For the program, at its start: lets the C library keep buffers that were freed for the next azimuth's, and builds that
+/// are short of memory give them back. By itself it returns the end of a thread's heap to the
 /// system, whose pages are then made anew for every plane: a third of the time of exact horizons.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn keep() {
+    MANAGED.store(true, Ordering::Relaxed);
     // SAFETY: may be called at any time by any thread.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20);
@@ -109,12 +116,17 @@ pub fn keep() {
 }
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub fn keep() {}
+pub fn keep() {
+    MANAGED.store(true, Ordering::Relaxed);
+}
 
-/// Lets the C library give buffers back to the system as soon as they are free. By itself it raises the size from which it does
+/// Lets the C library give buffers back to the system as soon as they are free, in a program that has called [`keep`]. By itself it raises the size from which it does
 /// (`M_MMAP_THRESHOLD`) to that of the largest buffer that was freed, and keeps some 20 MiB of a tile of 1024² nodes.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn give_back() {
+    if !MANAGED.load(Ordering::Relaxed) {
+        return;
+    }
     // SAFETY: all may be called at any time by any thread.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 128 << 10);

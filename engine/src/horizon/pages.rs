@@ -7,9 +7,7 @@
 //!
 //! The last page holds the codes of [`super::bound`].
 //!
-//! Measured on 512² nodes of cratered highland, the south polar cap and the connecting ridge, in bytes a node: half floats
-//! by fours and deflated 18.7, 18.7, 18.5; these pages 15.7, 15.8, 15.8. Predicting from three neighbours (MED) and
-//! splitting bytes would give 13.3, 13.7, 13.7, in a file that no reader of TIFF makes sense of.
+//! Bytes a node, and what else was tried: `docs/experiments/horizon_files.md`.
 
 use std::io::{Read, Seek, Write};
 
@@ -22,7 +20,7 @@ use tiff::tags::Tag;
 
 use super::bound::Bounds;
 use super::coefficients::{Coefficient, coefficients};
-use super::pack::{BitField, Encoding, Family, HorizonMap, Page as Layout, Texels};
+use super::pack::{BitField, Encoding, Family, HorizonMap, PageLayout, Texels};
 use super::statistics::TileErrors;
 
 /// Rows of a page that a reader unpacks at once.
@@ -33,7 +31,7 @@ const BOUND: &str = "bound";
 /// What a page holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PageHeader {
-    /// That of [`super::coefficients::CoefficientName`], or `bound`.
+    /// Text of a [`super::coefficients::CoefficientName`], or `bound`.
     pub name: String,
     /// Nodes per texel side.
     pub scale: usize,
@@ -147,13 +145,13 @@ pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, erro
     let codes = codes.filter(|codes| codes.len() == columns * rows && bound.header.name == BOUND)?;
     let layouts = encoding.pages();
     let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
-    let fields_of = |layout: &Layout| {
+    let fields_of = |layout: &PageLayout| {
         let of_scale = stored.iter().filter(|page| page.header.scale == layout.scale);
         of_scale.filter_map(|page| page.header.field).collect::<Vec<BitField>>()
     };
     let fields = match encoding.family() {
-        Family::Fields => layouts.iter().map(fields_of).collect(),
-        Family::Halves | Family::Samples => Vec::new(),
+        Family::Quantised => layouts.iter().map(fields_of).collect(),
+        Family::Fourier | Family::Sampled => Vec::new(),
     };
     let bounds = Bounds { columns, codes };
     let mut map = HorizonMap { encoding, columns, rows, levels, fields, errors, bounds };
@@ -188,7 +186,7 @@ mod tests {
             assert!(map(&pages, encoding, 19, 10, noise.errors).unwrap() == noise, "{encoding}");
             // Which fields a pyramid has, its pages alone say.
             let missing = map(&pages[1..], encoding, 19, 10, noise.errors);
-            assert!(missing.is_none() || encoding.family() == Family::Fields, "{encoding}");
+            assert!(missing.is_none() || encoding.family() == Family::Quantised, "{encoding}");
             assert!(map(&pages, encoding, 20, 10, noise.errors).is_none(), "{encoding}");
         }
         let noise = noise(Encoding::F16, 19, 10);

@@ -126,13 +126,13 @@ fn shortest(number: f64) -> String {
 
 /// All that a decoder needs, as JSON in the file.
 #[derive(Debug, Serialize, Deserialize)]
-struct Header {
+struct PlaneHeader {
     format: String,
     key: String,
     azimuth_rad: f64,
     low_rad: f32,
     unit_rad: f32,
-    /// Of the values, little-endian.
+    /// Hash of the values, little-endian.
     sha256: String,
 }
 
@@ -145,7 +145,7 @@ pub fn path_for(directory: &Path, key: &str) -> PathBuf {
 pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
     let path = path_for(directory, key);
-    let header = Header {
+    let header = PlaneHeader {
         format: FORMAT.into(),
         key: key.into(),
         azimuth_rad,
@@ -177,7 +177,7 @@ pub fn read(directory: &Path, key: &str, [columns, rows]: [usize; 2]) -> Result<
     let decode = |source| Error::Decode { path: path.clone(), source };
     let mut decoder = Decoder::new(BufReader::new(file)).map_err(decode)?.with_limits(Limits::unlimited());
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).map_err(decode)?;
-    let header: Header = serde_json::from_str(&description).map_err(|error| Error::header(&path, error))?;
+    let header: PlaneHeader = serde_json::from_str(&description).map_err(|error| Error::header(&path, error))?;
     if header.format != FORMAT || header.key != key {
         return Err(Error::OtherKey { path, got: header.key, expected: key.into() });
     }

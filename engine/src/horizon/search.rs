@@ -11,6 +11,7 @@ use super::gpu::OnDevice;
 use super::receivers::Receivers;
 use super::settings::{Method, Settings};
 use super::sweep::Sweep;
+use crate::gpu::Gpu;
 use crate::terrain::Face;
 
 /// A search prepared for the azimuths along one axis.
@@ -18,16 +19,25 @@ use crate::terrain::Face;
 pub enum Search<'a> {
     Sweep(Box<Sweep<'a>>),
     Exact(Box<Exact<'a>>),
-    Gpu(Box<OnDevice>),
+    Gpu(Box<OnDevice<'a>>),
 }
 
 impl<'a> Search<'a> {
     /// The search that the settings name; an error where it wants a device and there is none.
-    pub fn new(face: &'a Face, level: usize, major: Major, settings: &Settings) -> Result<Self, Error> {
+    pub fn new(
+        face: &'a Face,
+        level: usize,
+        major: Major,
+        settings: &Settings,
+        device: Option<&'a Gpu>,
+    ) -> Result<Self, Error> {
         Ok(match settings.method {
             Method::Sweep => Self::Sweep(Box::new(Sweep::new(face, level, major, settings))),
             Method::Exact => Self::Exact(Box::new(Exact::new(face, level, major, settings))),
-            Method::Gpu => Self::Gpu(Box::new(OnDevice::new(face, level, major, settings)?)),
+            Method::Gpu => {
+                let device = device.ok_or(Error::NoDevice)?;
+                Self::Gpu(Box::new(OnDevice::new(device, face, level, major, settings)?))
+            }
         })
     }
 

@@ -41,7 +41,7 @@ mod tests {
 
     /// Dip −acos(R/(R + h)) at the centre and away from it, where the map is oblique.
     #[test]
-    fn the_sphere_dips_by_the_arc_cosine_wherever_the_observer_stands() {
+    fn the_sphere_dips_by_the_arc_cosine_everywhere() {
         let map = Gnomonic::about(&Body::moon(), Geodetic::from_degrees(-90.0, 0.0, 0.0));
         for height_m in [2.0, 100.0, 5000.0, 100_000.0] {
             for at_m in [DVec2::ZERO, DVec2::new(120_000.0, -40_000.0), DVec2::new(-900_000.0, 300_000.0)] {

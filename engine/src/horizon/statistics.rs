@@ -37,9 +37,9 @@ fn short(value: f64) -> f64 {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileErrors {
     pub pixels: usize,
-    /// Of the swept profiles, before compression.
+    /// Errors of the swept profiles, before compression.
     pub swept: ErrorStatistics,
-    /// Of the series decoded from the tile.
+    /// Errors of the series decoded from the tile.
     pub decoded: ErrorStatistics,
     pub bound: BoundStatistics,
 }

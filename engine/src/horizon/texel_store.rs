@@ -33,7 +33,7 @@ pub enum TexelStore {
     },
 }
 
-/// Some rows of a map.
+/// A strip of rows of a map.
 #[derive(Debug)]
 pub struct Strip<'a> {
     /// Rows that are right.

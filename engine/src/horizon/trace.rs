@@ -42,7 +42,7 @@ pub struct Skyline {
 pub struct Tracer<'a> {
     map: &'a Gnomonic,
     levels: &'a [Level],
-    /// Of the levels; empty: every cell is looked at.
+    /// Mipmaps of the levels; without them every cell is looked at.
     pyramids: &'a [Pyramid],
     settings: Settings,
 }
@@ -72,7 +72,7 @@ impl<'a> Tracer<'a> {
         self.skyline_within(foot, direction, [-FRAC_PI_2, FRAC_PI_2])
     }
 
-    /// The same skylines, found faster: blocks of cells whose highest point makes no difference are passed over.
+    /// A tracer that finds the skylines faster: blocks of cells whose highest point makes no difference are passed over.
     /// `pyramids` are those of the face's levels.
     pub fn with_pyramids(self, pyramids: &'a [Pyramid]) -> Self {
         Self { pyramids: &pyramids[pyramids.len() - self.levels.len()..], ..self }

@@ -49,7 +49,7 @@ pub struct Verification {
     pub seed: u64,
     /// How far the two samples' mean squares lie apart, in standard deviations of their difference.
     pub deviations: f64,
-    /// Of those pixels, and of their samples, so many lie beyond their bound.
+    /// Pixels that lie beyond their bound, and samples of pixels that do.
     pub repeated_beyond: [usize; 2],
     pub drawn_beyond: [usize; 2],
     stated: TileErrors,

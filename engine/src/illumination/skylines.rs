@@ -64,7 +64,7 @@ impl Swept {
         for major in [Major::Row, Major::Column] {
             let along: Vec<usize> =
                 (0..azimuths).filter(|index| Major::of(settings.direction(*index)) == major).collect();
-            let search = Search::new(face, level, major, settings)?;
+            let search = Search::new(face, level, major, settings, None)?;
             // As many planes at a time as there are threads to sweep them.
             for azimuths in along.chunks(rayon::current_num_threads()) {
                 let plane = |&azimuth: &usize| {

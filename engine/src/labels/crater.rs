@@ -39,6 +39,7 @@ pub enum Origin {
     /// All of the terrain is made up, and it with it.
     Synthetic,
     /// Made up below the posting of a measured terrain.
+    #[serde(rename = "invented")]
     SyntheticDetail,
 }
 

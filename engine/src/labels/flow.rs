@@ -38,16 +38,16 @@ impl Flow {
         Self { x_px: Vec::new(), y_px: Vec::new(), covisible: Vec::new() }
     }
 
-    /// From an exposure whose centres hit the ground at `centres` to another view; nowhere where there is none.
-    pub fn to(scene: &Scene, other: Option<&View>, centres: &[Option<Hit>]) -> Self {
-        let columns = scene.optics.columns as usize;
+    /// From a view whose centres hit the ground at `centres` to another; nowhere where there is none.
+    pub fn to(scene: &Scene, view: &View, other: Option<&View>, centres: &[Option<Hit>]) -> Self {
+        let columns = view.optics.columns as usize;
         let flow = |(index, hit): (usize, &Option<Hit>)| {
             let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
             let ground = hit.as_ref().filter(|hit| hit.ground != Ground::Gap);
-            let Some((hit, view)) = ground.zip(other) else { return [f32::NAN; 3] };
-            let Some(found) = pixel_of(scene, view, hit) else { return [f32::NAN, f32::NAN, 0.0] };
+            let Some((hit, other)) = ground.zip(other) else { return [f32::NAN; 3] };
+            let Some(found) = pixel_of(other, hit) else { return [f32::NAN, f32::NAN, 0.0] };
             let moved = found - pixel;
-            let covisible = scene.optics.contains(found) && is_seen(scene, view, hit, found);
+            let covisible = other.optics.contains(found) && is_seen(scene, other, hit, found);
             [moved.x as f32, moved.y as f32, f32::from(u8::from(covisible))]
         };
         let all: Vec<[f32; 3]> = centres.par_iter().enumerate().map(flow).collect();
@@ -57,15 +57,15 @@ impl Flow {
 }
 
 /// The image point of a point of the ground.
-fn pixel_of(scene: &Scene, view: &View, hit: &Hit) -> Option<DVec2> {
+fn pixel_of(view: &View, hit: &Hit) -> Option<DVec2> {
     let from_camera_m = hit.position.vector_m() - view.camera_position.vector_m();
-    scene.optics.pixel(Direction::new(view.camera_from_body.turn(from_camera_m))?)
+    view.optics.pixel(Direction::new(view.camera_from_body.turn(from_camera_m))?)
 }
 
 fn is_seen(scene: &Scene, view: &View, hit: &Hit, pixel: DVec2) -> bool {
     let Some(towards) = view.camera_position.direction_to(hit.position) else { return false };
     let distance_m = view.camera_position.distance_m(hit.position);
-    let nearer_m = NEARER_PIXELS * distance_m * pixel_angle_rad(&scene.optics, pixel);
+    let nearer_m = NEARER_PIXELS * distance_m * pixel_angle_rad(&view.optics, pixel);
     let met = scene.surface.intersect(view.camera_position, towards);
     // A ray that slips past the very point it was aimed at met nothing before it.
     !met.is_some_and(|met| met.distance_m < distance_m - nearer_m)

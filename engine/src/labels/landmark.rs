@@ -103,9 +103,9 @@ pub fn landmarks(
         if crater.degradation.is_some_and(|worn| worn > wanted.most_degraded) {
             return None;
         }
-        let (ellipse, lens_misfit_px) = project(scene, view, rim)?;
+        let (ellipse, lens_misfit_px) = project(view, rim)?;
         let sizes_px = wanted.smallest_px..=wanted.largest_px;
-        if !sizes_px.contains(&(2.0 * ellipse.semi_axes_px[0])) || !meets_image(scene, &ellipse) {
+        if !sizes_px.contains(&(2.0 * ellipse.semi_axes_px[0])) || !meets_image(view, &ellipse) {
             return None;
         }
         let toward = |place: Position<BodyFixed>| rim.centre.direction_to(place);
@@ -142,7 +142,7 @@ pub fn landmarks(
             lens_misfit_px,
             incidence_deg: angle_deg(view.lights.first().and_then(|sun| toward(sun.position))),
             emission_deg,
-            truncated: !(scene.optics.contains(low) && scene.optics.contains(high)),
+            truncated: !(view.optics.contains(low) && view.optics.contains(high)),
             occluded: occluded_share >= HALF,
             occluded_share,
             in_shadow: (rim_lit_share + floor_lit_share) / 2.0 < HALF,
@@ -155,8 +155,8 @@ pub fn landmarks(
 
 /// The rim as an ellipse of the image, and how far the lens bends it off that. `None` where a part of it is behind the camera
 /// or where the lens sees nothing.
-pub fn project(scene: &Scene, view: &View, rim: &Rim) -> Option<(Ellipse, f64)> {
-    let optics = &scene.optics;
+pub fn project(view: &View, rim: &Rim) -> Option<(Ellipse, f64)> {
+    let optics = &view.optics;
     let turned = |vector_m| view.camera_from_body.turn(vector_m);
     let [u, w] = rim.axes_m.map(turned);
     let centre = turned(rim.centre.vector_m() - view.camera_position.vector_m());
@@ -203,15 +203,15 @@ fn affine(pairs: &[(DVec2, DVec2)]) -> Option<(DMat2, DVec2)> {
 }
 
 /// Whether an ellipse and the image have a point in common.
-fn meets_image(scene: &Scene, ellipse: &Ellipse) -> bool {
-    let size = DVec2::new(f64::from(scene.optics.columns), f64::from(scene.optics.rows));
+fn meets_image(view: &View, ellipse: &Ellipse) -> bool {
+    let size = DVec2::new(f64::from(view.optics.columns), f64::from(view.optics.rows));
     let [low, high] = ellipse.bounds_px();
     if high.cmplt(DVec2::splat(-0.5)).any() || low.cmpgt(size - 0.5).any() {
         return false;
     }
     // Bounds that meet are not enough: the image may lie beside a slanting ellipse.
     let nearest = DVec2::from(ellipse.centre_px).clamp(DVec2::splat(-0.5), size - 0.5);
-    let on_rim = |k: usize| scene.optics.contains(ellipse.at(TAU * k as f64 / 180.0));
+    let on_rim = |k: usize| view.optics.contains(ellipse.at(TAU * k as f64 / 180.0));
     Conic::from(ellipse).value(nearest) <= 0.0 || (0..180).any(on_rim)
 }
 

@@ -26,16 +26,17 @@ pub fn need_light(quantities: &[Quantity], limits: &Limits) -> bool {
     asked(Quantity::HazardSunlit) || asked(Quantity::Hazard) && limits.sunlit_share > 0.0
 }
 
-/// The planes of `scene.quantities` that are labels. None of them costs anything unless it is asked for.
+/// The planes of `view.quantities` that are labels. None of them costs anything unless it is asked for.
 pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence) -> Vec<Plane> {
     use Quantity as Q;
-    let asked = |quantities: &[Q]| quantities.iter().any(|quantity| scene.quantities.contains(quantity));
-    let flow =
-        |wanted, other: Option<&View>| if wanted { Flow::to(scene, other, &samples.centres) } else { Flow::none() };
+    let asked = |quantities: &[Q]| quantities.iter().any(|quantity| view.quantities.contains(quantity));
+    let flow = |wanted, other: Option<&View>| {
+        if wanted { Flow::to(scene, view, other, &samples.centres) } else { Flow::none() }
+    };
     let next = flow(asked(&[Q::Flow, Q::Covisible]), sequence.next);
     let previous = flow(asked(&[Q::FlowBack, Q::CovisibleBack]), sequence.previous);
     let hazards = if asked(&[Q::HazardSlope, Q::HazardRoughness, Q::HazardSunlit, Q::Hazard]) {
-        let light = need_light(&scene.quantities, sequence.limits);
+        let light = need_light(&view.quantities, sequence.limits);
         Hazards::of(scene, view, sequence.shadow, &samples.centres, sequence.limits, light)
     } else {
         Hazards::default()
@@ -56,7 +57,7 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
         }
         _ => unreachable!("{quantity:?} is no label"),
     };
-    let labels = scene.quantities.iter().copied().filter(|quantity| quantity.is_label());
+    let labels = view.quantities.iter().copied().filter(|quantity| quantity.is_label());
     labels
         .flat_map(|quantity| {
             let named = quantity.channels().iter().zip(channels(quantity));

@@ -26,8 +26,8 @@ pub fn camera(
     );
     let mut record = CameraRecord { shutter: shutter(scenario, shot), ..record };
     // An ISD's rows may be of another height, or run upwards.
-    record.k[1][1] = scene.optics.focal_px.y;
-    if let Some(correction) = scene.optics.correction() {
+    record.k[1][1] = exposure.view.optics.focal_px.y;
+    if let Some(correction) = exposure.view.optics.correction() {
         (record.dist_model, record.dist_coeffs) = corrected(correction);
     }
     record.effects = effects(scenario, prepared, scene, shot, exposure);
@@ -86,7 +86,7 @@ fn effects(
         PsfComponent::Airy { cutoff_px } => format!("Airy, wavelength times f-number {cutoff_px:.6} px"),
         PsfComponent::Disc { diameter_px } => format!("defocus, disc of {diameter_px} px"),
     };
-    let kernel = camera.kernel.as_deref().map(|path| format!("kernel {}", super::ground::file_name(path)));
+    let kernel = camera.kernel.as_deref().map(|path| format!("kernel {}", super::names::file_name(path)));
     let psf: Vec<String> = camera.spreads.iter().map(spread).chain(kernel).collect();
     let vignetting = match camera.vignetting {
         Vignetting::Cos4 => None,
@@ -117,14 +117,15 @@ fn shared_pose_error_px(
     shot: &Shot,
     exposure: &Exposure,
 ) -> f64 {
+    let optics = &exposure.view.optics;
     let block_s = scenario.camera.shutter.block_time_s();
     let pieces = scenario.camera.shutter.pieces(scenario.camera.rows);
     let off = |(band, (time_s, pose)): (&crate::camera::ExposedRows, &(f64, Pose))| {
-        let pixel = DVec2::new(0.5 * (f64::from(scene.optics.columns) - 1.0), band.first_row as f64);
+        let pixel = DVec2::new(0.5 * (f64::from(optics.columns) - 1.0), band.first_row as f64);
         let Prepared { motions, almanac, frame, .. } = prepared;
         let motion = &motions[exposure.point];
         let ends = [-block_s, block_s].map(|end| motion.pose(almanac, frame, exposure.epoch, time_s + end).ok());
-        let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, &scene.optics, pixel, pose, &own));
+        let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, optics, pixel, pose, &own));
         moved.fold(0.0, f64::max)
     };
     pieces.iter().flatten().zip(&shot.bands).map(off).fold(0.0, f64::max)

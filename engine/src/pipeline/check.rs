@@ -1,6 +1,7 @@
 //! All that can be said against a run without rendering it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::{Error, Progress, body_frame, domain, globe, ground, kernels, motion, points, scene, sequence, swath};
 use crate::ephemeris::{Almanac, BodyFrame};
@@ -41,12 +42,17 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
-    checked.warnings = domain::warnings(scenario, ground.as_ref().map(|ground| &ground.surface));
-    let loaded = Almanac::load(&kernels(scenario))
+    checked.warnings = domain::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface));
+    let loaded = Almanac::load_sources(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
     match loaded {
-        Ok((frame, almanac)) => problems.extend(poses(scenario, &almanac, &frame, ground, progress)),
+        Ok((frame, almanac)) => {
+            // Views repeat what is wrong with the camera.
+            let known: Vec<String> = problems.iter().map(ToString::to_string).collect();
+            let found = poses(scenario, &almanac, &frame, ground, progress);
+            problems.extend(found.into_iter().filter(|problem| !known.contains(&problem.to_string())));
+        }
         Err(error) => problems.push(error),
     }
     checked
@@ -118,8 +124,8 @@ fn poses(
     failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).chain(looked).collect()
 }
 
-fn bare(body: &Body, scenario: &Scenario) -> (Surface, Geodetic) {
+fn bare(body: &Body, scenario: &Scenario) -> (Arc<Surface>, Geodetic) {
     let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
     let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
-    (surface, centre.unwrap_or(Geodetic::from_degrees(0.0, 0.0, 0.0)))
+    (Arc::new(surface), centre.unwrap_or(Geodetic::from_degrees(0.0, 0.0, 0.0)))
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::names::file_name;
 use super::{Error, ground};
 use crate::dataset::Input;
 use crate::labels::{Crater, Origin, Rim, catalogue, without_repeats};
@@ -21,7 +22,7 @@ pub fn of_lists(scenario: &Scenario, ground: &mut ground::Ground, cache: &Path) 
                 let prefix = if lists.len() > 1 { format!("{index}/") } else { String::new() };
                 read.push(catalogue::read(path, &prefix, Origin::Catalogue)?);
                 let sha256 = raster::digest(path)?;
-                ground.inputs.push(Input { role: "craters".into(), name: ground::file_name(path), sha256 });
+                ground.inputs.push(Input { role: "craters".into(), name: file_name(path), sha256 });
             }
         }
     }

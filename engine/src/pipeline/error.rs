@@ -50,7 +50,7 @@ pub enum Error {
          or leave tiles out"
     )]
     TilesOfAnother { path: PathBuf, difference: String },
-    #[error("--tiles names no tile: there are faces 0 to 5 and levels 0 to {}", levels - 1)]
+    #[error("the selection holds no tile: there are faces 0 to 5 and levels 0 to {}", levels - 1)]
     NoTiles { levels: usize },
     #[error(
         "trajectory: at exposure {exposure} ({epoch_utc}) the camera is {height_m:.1} m above the reference surface, \
@@ -67,7 +67,7 @@ pub enum Error {
          and turns by {turned_deg:.5} deg"
     )]
     CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
-    #[error("--frames {from}..{until} names no exposure; the scenario has {count}, counted from 0")]
+    #[error("{from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
 }
 

@@ -2,21 +2,22 @@
 
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::Arc;
 
 use super::globe::DrawnTiles;
-use super::{Error, Progress};
+use super::{Error, Progress, terrain_key as key};
+
+pub use super::names::file_name;
+pub use super::tiles::{Tile, horizons};
+
 use crate::dataset::Input;
 use crate::files;
 use crate::geometry::{Body, Geodetic};
-use crate::horizon::store;
-use crate::horizon::{self, Encoding, HorizonMap, Key, Memory};
 use crate::raster::{self, Dem};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Crater, Detail, Parameters};
-use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
+use crate::terrain::{Face, Gnomonic, Level, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face casts shadows, on the map: for the Moon 137 km of ground. Terrain further off shows
 /// only where it stands 5.5 km and more above all that lies between; it is left out.
@@ -25,7 +26,7 @@ const CUBE_MARGIN_M: f64 = 300_000.0;
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
 pub struct Ground {
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
     /// The terrain's centre; the sub-solar geometry of records refers to it.
     pub centre: Geodetic,
     pub inputs: Vec<Input>,
@@ -43,7 +44,7 @@ pub fn surface(
     progress: &dyn Progress,
 ) -> Result<Ground, Error> {
     let Some(terrain) = terrain else {
-        let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
+        let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces: Vec::new() }));
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
         return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new(), globe: None });
     };
@@ -67,7 +68,7 @@ pub fn surface(
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
-    let surface = Surface::new(Terrain { body: body.clone(), faces });
+    let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces }));
     Ok(Ground { surface, centre, inputs, resampling, globe: None })
 }
 
@@ -83,7 +84,13 @@ fn globe(
     let name = file_name(&written.path);
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
-    Ok(Ground { surface: shown.surface()?, centre, inputs, resampling: Vec::new(), globe: Some(Box::new(shown)) })
+    Ok(Ground {
+        surface: Arc::new(shown.surface()?),
+        centre,
+        inputs,
+        resampling: Vec::new(),
+        globe: Some(Box::new(shown)),
+    })
 }
 
 fn values(written: scenario::Values) -> raster::Values {
@@ -124,7 +131,7 @@ fn own_posting_m(dem: &Dem) -> f64 {
 /// The models' files, whether they are there or not. The name of a synthetic one holds all that shapes it: its
 /// model's parameters and those of all coarser ones, which it continues.
 pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> {
-    let mut shape = format!("{} {body:?}", env!("CARGO_PKG_VERSION"));
+    let mut shape = format!("{} {}", env!("CARGO_PKG_VERSION"), key::of_body(body));
     let mut path = |dem: &scenario::Dem| match dem {
         scenario::Dem::File { path, .. } | scenario::Dem::Cube { path, .. } => path.clone(),
         scenario::Dem::Globe(globe) => globe.path.clone(),
@@ -134,12 +141,11 @@ pub fn paths(body: &Body, dems: &[scenario::Dem], cache: &Path) -> Vec<PathBuf> 
                 scenario::Dem::File { path, .. } => raster::digest(path).ok(),
                 _ => None,
             });
-            let shape = format!("{} {body:?} {dem:?} {:?} {measured:?}", env!("CARGO_PKG_VERSION"), dems.get(1));
-            let key = crate::digest::sha256_hex(shape.as_bytes());
+            let key = key::of_detail(body, dem, dems.get(1), measured.as_deref());
             cache.join("terrain").join(format!("detail-{}.tif", &key[..16]))
         }
         scenario::Dem::Synthetic { .. } => {
-            shape += &format!(" {:?}", synthetic_parameters(dem));
+            shape += &format!(" {}", key::of_parameters(synthetic_parameters(dem).as_ref()));
             let key = crate::digest::sha256_hex(shape.as_bytes());
             cache.join("terrain").join(format!("highland-{}.tif", &key[..16]))
         }
@@ -254,88 +260,25 @@ fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), syn
     Ok(write(path)?)
 }
 
-/// A horizon tile that is ready.
-#[derive(Debug)]
-pub struct Tile<'a> {
-    pub face: usize,
-    pub level: usize,
-    pub path: PathBuf,
-    pub key: Key,
-    pub map: &'a HorizonMap,
-    /// What building took; `None` where the tile was there.
-    pub built_s: Option<f64>,
-}
-
-impl Tile<'_> {
-    /// The tile as a manifest lists it.
-    pub fn input(&self) -> Input {
-        Input { role: "horizon".into(), name: file_name(&self.path), sha256: self.key.as_str().into() }
-    }
-}
-
-/// Horizon maps of all levels, by face, from tiles in `folder` that are built where they are not there yet. Each tile
-/// is told to `finished`.
-pub fn horizons<E: From<Error>>(
-    surface: &Surface,
-    settings: &horizon::Settings,
-    encoding: Encoding,
-    folder: &Path,
-    memory: Memory,
-    progress: &dyn Progress,
-    mut finished: impl FnMut(&Tile) -> Result<(), E>,
-) -> Result<Vec<Vec<HorizonMap>>, E> {
-    let faces = &surface.terrain.faces;
-    let tiles: usize = faces.iter().map(|face| face.levels.len()).sum();
-    let mut tile = 0;
-    let mut maps = Vec::new();
-    for (index, face) in faces.iter().enumerate() {
-        let mut levels = Vec::new();
-        for level in 0..face.levels.len() {
-            tile += 1;
-            progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
-            let (start, built) = (Instant::now(), AtomicBool::new(false));
-            let on_progress = |done: usize, total: usize| {
-                built.store(true, Ordering::Relaxed);
-                progress.at(done, total);
-            };
-            let body = &surface.terrain.body;
-            let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, memory, &on_progress).map_err(Error::from)?;
-            let key = request.key();
-            let path = store::path_for(folder, &key);
-            let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());
-            finished(&Tile { face: index, level, path, key, map: &map, built_s })?;
-            levels.push(map);
-        }
-        maps.push(levels);
-    }
-    Ok(maps)
-}
-
-/// Values of an albedo map on the nodes of all levels, by face, times `scale`. Nodes that the map does not
-/// cover become gaps.
-pub fn albedo(surface: &mut Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
-    let Terrain { body, faces } = &mut surface.terrain;
+/// Values of an albedo map on the nodes of all levels, by face, times `scale`; NaN where the map has none.
+pub fn albedo(surface: &Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
+    let Terrain { body, faces } = &surface.terrain;
     let options = raster::Options { values: raster::Values::Height, ..Default::default() };
     let map = Dem::open(path, body, &options)?;
     let projector = map.georeference.projector()?;
-    let mut of_faces = Vec::new();
-    for Face { map: gnomonic, levels } in faces {
-        let mut of_levels = Vec::new();
-        for level in levels {
-            let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
-            let points: Vec<_> =
-                (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
-            let values: Vec<f32> =
-                projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect();
-            level.gap.iter_mut().zip(&values).for_each(|(gap, value)| *gap |= value.is_nan());
-            of_levels.push(values);
-        }
-        of_faces.push(of_levels);
-    }
-    Ok(of_faces)
+    let values = |gnomonic: &Gnomonic, level: &Level| -> Vec<f32> {
+        let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
+        let points: Vec<_> = (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
+        projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect()
+    };
+    let of_face = |face: &Face| face.levels.iter().map(|level| values(&face.map, level)).collect();
+    Ok(faces.iter().map(of_face).collect())
 }
 
-pub fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+/// Makes nodes where a map has no value gaps of a surface, which whoever holds it already does not see.
+pub fn open_gaps(surface: &mut Arc<Surface>, map: &[Vec<Vec<f32>>]) {
+    let levels = Arc::make_mut(surface).terrain.faces.iter_mut().flat_map(|face| &mut face.levels);
+    for (level, values) in levels.zip(map.iter().flatten()) {
+        level.gap.iter_mut().zip(values).for_each(|(gap, value)| *gap |= value.is_nan());
+    }
 }

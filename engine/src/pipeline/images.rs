@@ -1,7 +1,7 @@
 //! The exposures of a run: rendering here, planes beside it, encoding and writing beside both.
 //!
 //! ```text
-//! this thread       renderer --samples-->
+//! this thread       session --samples-->
 //! one other                              planes, map, record --image-->
 //! the writer's                                                        encode, hash, write
 //! ```
@@ -10,16 +10,15 @@
 //! error of a later stage ends the earlier ones at their next exposure and is what the run reports.
 
 use std::sync::mpsc::sync_channel;
-use std::sync::{PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use super::sequence::Before;
 use super::shot::{self, Shot};
-use super::{Error, Prepared, Progress, ortho, record, scene, sequence};
+use super::{Error, Prepared, Progress, ortho, record, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
 use crate::render::planes::Radiometry;
-use crate::render::{Imaging, RenderError, Renderer, Scene, reference};
+use crate::render::{Imaging, RenderError, Scene, Session, reference};
 
 /// Exposures whose samples wait for their planes.
 const QUEUE: usize = 1;
@@ -34,7 +33,7 @@ pub struct Spent {
     pub device: Duration,
 }
 
-/// What the renderer hands on.
+/// What the session hands on.
 struct Sampled {
     index: usize,
     shot: Shot,
@@ -45,29 +44,26 @@ struct Sampled {
 /// What takes the images.
 pub struct Instrument<'a> {
     pub imaging: &'a Imaging,
-    pub renderer: &'a mut dyn Renderer,
+    pub session: Session,
 }
 
 /// Renders the exposures `todo` and hands them to `writer`.
 pub fn render(
     prepared: &Prepared,
-    scene: &mut Scene,
-    Instrument { imaging, renderer }: Instrument,
+    Instrument { imaging, mut session }: Instrument,
     run: &dataset::Run,
     writer: &mut Writer,
     todo: &[usize],
     progress: &dyn Progress,
 ) -> Result<Spent, Error> {
-    // A sweep changes the reflectance for the renderer while the other thread makes planes, which do not depend on it.
-    let scene = RwLock::new(scene);
-    let read = || scene.read().unwrap_or_else(PoisonError::into_inner);
+    let scene = session.scene().clone();
     std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel::<Sampled>(QUEUE);
         let finisher = scope.spawn(|| {
             let mut spent = Duration::ZERO;
             for sampled in receiver {
                 let start = Instant::now();
-                let exposure = exposure(prepared, &read(), run, sampled)?;
+                let exposure = exposure(prepared, &scene, run, sampled)?;
                 spent += start.elapsed();
                 writer.submit(exposure)?;
             }
@@ -77,15 +73,11 @@ pub fn render(
         let mut before = Before::default();
         let mut sampled = |index: usize| {
             let exposure = &prepared.exposures[index];
-            let reflectance = scene::reflectance(&prepared.points[exposure.point])?;
-            if read().reflectance != reflectance {
-                scene.write().unwrap_or_else(PoisonError::into_inner).reflectance = reflectance;
-            }
-            let (scene, start) = (read(), Instant::now());
-            let earlier = before.pixels(&scene, renderer, &prepared.exposures, index)?;
-            let shot = shot::take(prepared, &scene, imaging, renderer, exposure)?;
+            let start = Instant::now();
+            let earlier = before.pixels(&mut session, &prepared.exposures, index)?;
+            let shot = shot::take(prepared, imaging, &mut session, exposure)?;
             if let Some(samples) = shot.taken.samples() {
-                before.keep(&scene, index, samples);
+                before.keep(&exposure.view, index, samples);
             }
             spent.samples += start.elapsed();
             spent.device += shot.taken.device;
@@ -124,7 +116,7 @@ fn exposure(
     let view = &exposures[index].view;
     let point = &points[exposures[index].point];
     let mut image = shot.image(scene);
-    let shadow = match shot::needs_light(point, scene) {
+    let shadow = match shot::needs_light(point, view) {
         true => reference::shadow(scene, view, &shot.skylines).map_err(RenderError::from)?,
         false => None,
     };

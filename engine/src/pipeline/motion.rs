@@ -99,9 +99,8 @@ fn of_point(
             middle = Some(here);
         }
         let (pose, velocity_m_s) = middle.expect("the middle is among the ends");
-        let (camera_position, camera_from_body) = (pose.position, pose.camera_from_body);
         let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
-        let view = View { exposure: index as u64, camera_position, camera_from_body, lights };
+        let view = View { exposure: index as u64, ..scene::view(scenario, pose, lights)? };
         Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
     };
     Ok((scenario.exposures.iter().enumerate().map(exposure).collect(), motion))

@@ -100,7 +100,7 @@ impl Grid {
         let high = places_m.iter().copied().reduce(DVec2::max).unwrap_or_default();
         let middle = sides_m.len() / 2;
         let side_m = *sides_m.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let most_cells = MOST_CELLS_PER_PIXEL * f64::from(scene.optics.columns.max(scene.optics.rows));
+        let most_cells = MOST_CELLS_PER_PIXEL * f64::from(view.optics.columns.max(view.optics.rows));
         let cell_m = two_digits(side_m.max((high - low).max_element() / most_cells));
         let (first, last) = ((low / cell_m).floor(), (high / cell_m).ceil());
         let size = (last - first).max(DVec2::ONE);
@@ -115,14 +115,14 @@ impl Grid {
 
 /// Ground seen along some rays, and the side of a pixel there.
 fn probes(scene: &Scene, view: &View) -> Vec<(Hit, f64)> {
-    let size = DVec2::new(f64::from(scene.optics.columns), f64::from(scene.optics.rows));
+    let size = DVec2::new(f64::from(view.optics.columns), f64::from(view.optics.rows));
     let body_from_camera = view.camera_from_body.inverse();
     let probe = |index: usize| {
         let share = DVec2::new((index % PROBES) as f64, (index / PROBES) as f64) / (PROBES - 1) as f64;
         let pixel = share * size - 0.5;
-        let direction = scene.optics.direction(pixel)?;
+        let direction = view.optics.direction(pixel)?;
         let hit = scene.surface.intersect(view.camera_position, body_from_camera * direction)?;
-        let side_rad = scene.optics.solid_angle_sr(pixel)?.sqrt();
+        let side_rad = view.optics.solid_angle_sr(pixel)?.sqrt();
         Some((hit, hit.distance_m * side_rad))
     };
     (0..PROBES * PROBES).into_par_iter().filter_map(probe).collect()
@@ -148,8 +148,7 @@ fn seen(
     }
     let pixel = |ground: Position<BodyFixed>| {
         let towards = view.camera_position.direction_to(ground)?;
-        let pixel =
-            scene.optics.pixel(view.camera_from_body * towards).filter(|pixel| scene.optics.contains(*pixel))?;
+        let pixel = view.optics.pixel(view.camera_from_body * towards).filter(|pixel| view.optics.contains(*pixel))?;
         let hit = surface.intersect(view.camera_position, towards)?;
         (hit.distance_m > view.camera_position.distance_m(ground) - grid.cell_m).then_some(pixel)
     };

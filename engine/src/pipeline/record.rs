@@ -1,25 +1,26 @@
 //! What is written down about a run and about each exposure.
 
-use super::ground::file_name;
+use super::names::file_name;
 use super::shot::Shot;
-use super::{Prepared, scene, sequence, split};
+use super::{Error, Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, ExposureMetadata, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord,
     Run, SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
+use crate::photometry::{Hapke, MultipleScattering, Reflectance};
 use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
-pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Run {
+pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Result<Run, Error> {
     let kernels = prepared.almanac.kernels().iter().map(|kernel| Input {
         role: "kernel".into(),
         name: kernel.name.clone(),
         sha256: kernel.sha256.clone(),
     });
-    Run {
+    Ok(Run {
         title: scenario.title.clone(),
         name: scenario.name.clone(),
         scenario: scenario.text.clone(),
@@ -27,16 +28,16 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         seed: scenario.seed,
         software: software(adapter),
         inputs: prepared.ground.inputs.iter().cloned().chain(kernels).collect(),
-        settings: settings(scenario, prepared, scene),
-    }
+        settings: settings(scenario, prepared, scene)?,
+    })
 }
 
-fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_json::Value {
+fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<serde_json::Value, Error> {
     let mut settings = serde_json::json!({
         "frame": prepared.frame.frame_name,
         "shadows": format!("{:?}", prepared.shadows.shadows),
         "ambient": scenario.ambient,
-        "photometry": format!("{:?}", scene.reflectance),
+        "photometry": photometry(&scene::reflectance(scenario)?),
         "limb_darkening": scene::disk_name(scenario),
         "spectrum": scenario.sun.spectrum,
         "samples_per_pixel": scenario.camera.samples_per_pixel,
@@ -73,7 +74,49 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> serde_js
     if let Some(why) = &prepared.shadows.why {
         settings["shadows_chosen"] = why.as_str().into();
     }
-    settings
+    Ok(settings)
+}
+
+/// A reflectance law with its parameters, as manifests have it.
+fn photometry(law: &Reflectance) -> String {
+    let with = |name: &str, parameters: &[(&str, f64)]| {
+        let parameters: Vec<String> = parameters.iter().map(|(name, value)| format!("{name}: {value:?}")).collect();
+        format!("{name} {{ {} }}", parameters.join(", "))
+    };
+    match *law {
+        Reflectance::Lambert { normal_albedo } => with("Lambert", &[("normal_albedo", normal_albedo)]),
+        Reflectance::LommelSeeliger { normal_albedo } => with("LommelSeeliger", &[("normal_albedo", normal_albedo)]),
+        Reflectance::LunarLambert { normal_albedo } => with("LunarLambert", &[("normal_albedo", normal_albedo)]),
+        Reflectance::Minnaert { normal_albedo, exponent } => {
+            with("Minnaert", &[("normal_albedo", normal_albedo), ("exponent", exponent)])
+        }
+        Reflectance::Akimov { normal_albedo, smoothness } => {
+            with("Akimov", &[("normal_albedo", normal_albedo), ("smoothness", smoothness)])
+        }
+        Reflectance::Hapke(hapke) => format!("Hapke({})", self::hapke(&hapke)),
+    }
+}
+
+fn hapke(set: &Hapke) -> String {
+    let multiple_scattering = match set.multiple_scattering {
+        MultipleScattering::Hapke1981 => "Hapke1981",
+        MultipleScattering::Hapke2002 => "Hapke2002",
+    };
+    format!(
+        "Hapke {{ single_scattering_albedo: {:?}, asymmetry: {:?}, backscatter: {:?}, shadow_hiding_amplitude: {:?}, \
+         shadow_hiding_width: {:?}, coherent_amplitude: {:?}, coherent_width: {:?}, mean_slope_rad: {:?}, filling_factor: {:?}, \
+         multiple_scattering: {multiple_scattering}, scale: {:?} }}",
+        set.single_scattering_albedo,
+        set.asymmetry,
+        set.backscatter,
+        set.shadow_hiding_amplitude,
+        set.shadow_hiding_width,
+        set.coherent_amplitude,
+        set.coherent_width,
+        set.mean_slope_rad,
+        set.filling_factor,
+        set.scale,
+    )
 }
 
 /// How previews are scaled.
@@ -220,4 +263,23 @@ fn share_above(image: &Image, quantity: Quantity, limit: f32) -> Option<f64> {
     let plane = image.plane(quantity)?;
     let seen = plane.values.iter().filter(|value| value.is_finite()).count().max(1);
     Some(plane.values.iter().filter(|value| **value > limit).count() as f64 / seen as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_photometry_of_manifests_is_spelled_as_before() {
+        let laws = [
+            Reflectance::Lambert { normal_albedo: 0.2 },
+            Reflectance::LommelSeeliger { normal_albedo: 1.0 },
+            Reflectance::LunarLambert { normal_albedo: 0.12 },
+            Reflectance::Minnaert { normal_albedo: 0.1, exponent: 0.7 },
+            Reflectance::Akimov { normal_albedo: 0.1, smoothness: 1.0 },
+            Reflectance::Hapke(Hapke::moon()),
+            Reflectance::Hapke(Hapke::mars()),
+        ];
+        laws.iter().for_each(|law| assert_eq!(photometry(law), format!("{law:?}")));
+    }
 }

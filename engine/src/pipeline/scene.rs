@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::Error;
-use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Psf};
+use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Pose, Psf};
 use crate::horizon::{self, HorizonMap};
 use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
 use crate::raster::Picture;
-use crate::render::{self, AlbedoRole, Imaging, Timing};
+use crate::render::{self, AlbedoRole, Imaging, Light, Timing, View};
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
 use crate::shadow::{At, Lighting, Mipmaps, Multiscale, Visibility};
@@ -56,6 +56,18 @@ pub fn horizon_settings(scenario: &Scenario) -> horizon::Settings {
         observer_height_m: scenario.horizon.observer_height_m,
         ..Default::default()
     }
+}
+
+/// What a scenario's camera sees from a pose.
+pub fn view(scenario: &Scenario, pose: Pose, lights: Vec<Light>) -> Result<View, Error> {
+    Ok(View {
+        reflectance: reflectance(scenario)?,
+        samples_per_side: scenario.camera.samples_per_pixel.isqrt() as usize,
+        band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
+        detector: detector(scenario)?,
+        quantities: scenario.outputs.planes.clone(),
+        ..View::new(pose, optics(scenario)?, lights)
+    })
 }
 
 /// What the camera does beyond a pinhole that stands still.

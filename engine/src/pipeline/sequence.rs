@@ -3,7 +3,7 @@
 use super::{Error, Exposure};
 use crate::labels::{self, Sequence, moved};
 use crate::render::planes::Radiometry;
-use crate::render::{Plane, Quantity, Renderer, Samples, Scene, View};
+use crate::render::{Plane, Quantity, Samples, Scene, Session, View};
 use crate::scenario::{Dem, Scenario};
 use crate::shadow::Shadow;
 
@@ -47,28 +47,27 @@ impl Before {
     /// Of the exposure before `index`.
     pub fn pixels(
         &mut self,
-        scene: &Scene,
-        renderer: &mut dyn Renderer,
+        session: &mut Session,
         exposures: &[Exposure],
         index: usize,
     ) -> Result<Option<Vec<Radiometry>>, Error> {
         match previous(exposures, index) {
-            Some(view) if is_needed(scene) => match self.last.take() {
+            Some(view) if is_needed(&exposures[index].view) => match self.last.take() {
                 Some((last, pixels)) if last + 1 == index => Ok(Some(pixels)),
                 // The first of a part of a sequence: what is before it is not rendered otherwise.
-                _ => Ok(Some(renderer.samples(scene, view)?.pixels)),
+                _ => Ok(Some(session.samples(view)?.pixels)),
             },
             _ => Ok(None),
         }
     }
 
-    pub fn keep(&mut self, scene: &Scene, index: usize, samples: &Samples) {
-        self.last = is_needed(scene).then(|| (index, samples.pixels.clone()));
+    pub fn keep(&mut self, view: &View, index: usize, samples: &Samples) {
+        self.last = is_needed(view).then(|| (index, samples.pixels.clone()));
     }
 }
 
-fn is_needed(scene: &Scene) -> bool {
-    scene.quantities.contains(&Quantity::ShadowChange)
+fn is_needed(view: &View) -> bool {
+    view.quantities.contains(&Quantity::ShadowChange)
 }
 
 /// The labels of exposure `index`, before which `before` was sampled.

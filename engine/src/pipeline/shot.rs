@@ -3,7 +3,7 @@
 use super::{Error, Exposure, Prepared};
 use crate::camera::{Detector, Pose};
 use crate::labels;
-use crate::render::{Image, Imaging, Renderer, Scene, Taken, Timing};
+use crate::render::{Image, Imaging, Scene, Session, Taken, Timing, View};
 use crate::scenario::{AutoExposure, Scenario};
 use crate::shadow::Skylines;
 
@@ -33,20 +33,14 @@ impl Shot {
 }
 
 /// Takes an exposure.
-pub fn take(
-    prepared: &Prepared,
-    scene: &Scene,
-    imaging: &Imaging,
-    renderer: &mut dyn Renderer,
-    exposure: &Exposure,
-) -> Result<Shot, Error> {
+pub fn take(prepared: &Prepared, imaging: &Imaging, session: &mut Session, exposure: &Exposure) -> Result<Shot, Error> {
     let Prepared { almanac, frame, points, motions, .. } = prepared;
     let (scenario, motion) = (&points[exposure.point], &motions[exposure.point]);
-    let detector = super::scene::detector(scenario)?;
+    let detector = exposure.view.detector.clone();
     let mut light = |timing: Timing, exposure_s: f64| -> Result<(Taken, Vec<Vec<Pose>>), Error> {
         let imaging = Imaging { timing, ..imaging.clone() };
         let poses = motion.poses(almanac, frame, exposure.epoch, &timing.times_s(exposure_s))?;
-        Ok((imaging.take(renderer, scene, &exposure.view, &poses)?, poses))
+        Ok((imaging.take(session, &exposure.view, &poses)?, poses))
     };
     let (timing, written_s) = (imaging.timing, scenario.camera.exposure_s);
     let (taken, poses, exposure_s) = match scenario.camera.auto_exposure.zip(detector.as_ref()) {
@@ -57,7 +51,7 @@ pub fn take(
         Some((auto, detector)) => {
             // Light without motion blur tells the time; blur then lasts as long as that.
             let (still, poses) = light(Timing { moments: 1, ..timing }, written_s)?;
-            let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance(scene));
+            let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance());
             if timing.moments == 1 {
                 (still, poses, chosen_s)
             } else {
@@ -71,13 +65,14 @@ pub fn take(
     let (first_rows, bands) = bands(&timing, &poses).into_iter().unzip();
     let psf_cut_off = imaging.psf.as_ref().map_or(0.0, |psf| psf.cut_off);
     let detector = detector.map(|detector| Detector { exposure_s, ..detector });
-    let skylines = if needs_light(scenario, scene) { renderer.skylines(scene)? } else { Skylines::default() };
+    let needs_light = needs_light(scenario, &exposure.view);
+    let skylines = if needs_light { session.skylines()? } else { Skylines::default() };
     Ok(Shot { taken, exposure_s, bands, first_rows, psf_cut_off, detector, skylines })
 }
 
 /// Whether labels of a scenario's exposures ask which ground the Sun lights.
-pub fn needs_light(scenario: &Scenario, scene: &Scene) -> bool {
-    scenario.landmarks.is_some() || labels::need_light(&scene.quantities, &scenario.hazards)
+pub fn needs_light(scenario: &Scenario, view: &View) -> bool {
+    scenario.landmarks.is_some() || labels::need_light(&view.quantities, &scenario.hazards)
 }
 
 /// First rows, times and poses in the middle of the bands' exposures; none where there is but one band.

@@ -17,6 +17,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 
+use crate::camera::Camera as Optics;
 use crate::dataset::SplitRecord;
 use crate::digest::sha256_hex;
 use crate::geometry::{Body, Geodetic};
@@ -31,14 +32,14 @@ pub fn part(split: &Split, scene: &Scene, view: &View) -> SplitRecord {
     let place = hit.map_or(view.camera_position, |hit| hit.position);
     let body = &surface.terrain.body;
     let cell = cell(body, body.geodetic_from_position(place), split.cell_m);
-    let shown_m = hit.map_or(0.0, |hit| 2.0 * hit.distance_m * (0.5 * diagonal_rad(scene)).tan());
+    let shown_m = hit.map_or(0.0, |hit| 2.0 * hit.distance_m * (0.5 * diagonal_rad(&view.optics)).tan());
     SplitRecord { part: part_of(split, cell).into(), cell, shown_m }
 }
 
 /// Between the outer corners of the image.
-fn diagonal_rad(scene: &Scene) -> f64 {
-    let (columns, rows) = (f64::from(scene.optics.columns), f64::from(scene.optics.rows));
-    let corner = |x: f64, y: f64| scene.optics.direction(DVec2::new(x, y) - 0.5);
+fn diagonal_rad(optics: &Optics) -> f64 {
+    let (columns, rows) = (f64::from(optics.columns), f64::from(optics.rows));
+    let corner = |x: f64, y: f64| optics.direction(DVec2::new(x, y) - 0.5);
     corner(0.0, 0.0).zip(corner(columns, rows)).map_or(0.0, |(a, b)| a.angle_to(b))
 }
 

@@ -33,12 +33,9 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::reference::{at_nodes, irradiance_w_m2};
-use super::{Scene, View, planes};
 use crate::geometry::Direction;
 use crate::horizon::HorizonMap;
 use crate::photometry::quadrature::gauss_legendre;
-use crate::shadow::Shadow;
 use crate::shadow::sky::{directions, facet, tangent};
 use crate::terrain::{Face, Ground, Hit, Level, Surface};
 
@@ -51,28 +48,28 @@ const LIFT: f64 = 1e-3;
 /// Who sees whom in a terrain: the part of a bounce that no Sun changes.
 #[derive(Debug)]
 pub struct Bounce {
-    gathers: Vec<Vec<Gather>>,
+    pub(super) gathers: Vec<Vec<Gather>>,
 }
 
 /// The points of a level, and the rays of each.
 #[derive(Debug)]
-struct Gather {
+pub(super) struct Gather {
     /// Nodes from one point to the next; the last point is the last seen node.
     step: usize,
     columns: usize,
     rows: usize,
-    rays: Vec<Vec<Ray>>,
+    pub(super) rays: Vec<Vec<Ray>>,
 }
 
 /// What a point sees in one direction.
 #[derive(Debug, Clone, Copy)]
-struct Ray {
-    face: u16,
-    level: u16,
+pub(super) struct Ray {
+    pub(super) face: u16,
+    pub(super) level: u16,
     /// In nodes of that level.
-    grid: [f32; 2],
+    pub(super) grid: [f32; 2],
     /// `w`, in sr.
-    weight_sr: f32,
+    pub(super) weight_sr: f32,
 }
 
 impl Bounce {
@@ -92,56 +89,6 @@ impl Bounce {
             |(face, levels): (usize, &Face)| (0..levels.levels.len()).map(|level| of_level(face, level)).collect();
         Self { gathers: faces.map(of_face).collect() }
     }
-
-    /// Irradiance by bounced light at the nodes of each face's levels, for the first light of a view.
-    pub fn irradiance_w_m2(&self, scene: &Scene, view: &View, shadow: Option<&dyn Shadow>) -> Vec<Vec<Vec<f32>>> {
-        let levels = || self.gathers.iter().enumerate().flat_map(|(f, g)| (0..g.len()).map(move |l| (f, l)));
-        let mut sunlit: Vec<Vec<Vec<f32>>> = self.gathers.iter().map(|g| vec![Vec::new(); g.len()]).collect();
-        for (face, level) in levels() {
-            sunlit[face][level] = self.gathers[face][level].sunlit(scene, view, shadow, [face, level]);
-        }
-        let of_level = |face: usize, level: usize| {
-            let gather = &self.gathers[face][level];
-            let points: Vec<f32> = (0..gather.rays.len())
-                .into_par_iter()
-                .map(|point| self.gathered(scene, view, &sunlit, [face, level], point) as f32)
-                .collect();
-            gather.at_all_nodes(&scene.surface.terrain.faces[face].levels[level], &points)
-        };
-        let of_face = |face: usize| (0..self.gathers[face].len()).map(|level| of_level(face, level)).collect();
-        (0..self.gathers.len()).map(of_face).collect()
-    }
-
-    /// What a point gathers from its rays.
-    fn gathered(
-        &self,
-        scene: &Scene,
-        view: &View,
-        sunlit: &[Vec<Vec<f32>>],
-        [face, level]: [usize; 2],
-        point: usize,
-    ) -> f64 {
-        let Some(sun) = view.lights.first() else { return 0.0 };
-        let gather = &self.gathers[face][level];
-        let Some(receiver) = hit_at(scene, face, level, gather.node(&scene.surface, [face, level], point)) else {
-            return 0.0;
-        };
-        let from = |ray: &Ray| {
-            let (face, level) = (usize::from(ray.face), usize::from(ray.level));
-            let grid = DVec2::from(ray.grid.map(f64::from));
-            let nodes = &scene.surface.terrain.faces[face].levels[level];
-            let lit_w_m2 = self.gathers[face][level].between_points(nodes, &sunlit[face][level], grid);
-            let hit = hit_at(scene, face, level, grid).filter(|_| lit_w_m2 > 0.0)?;
-            let [to_sun, to_here] = [sun.position, receiver.position].map(|place| hit.position.direction_to(place));
-            let (to_sun, to_here) = (to_sun?.unit(), to_here?.unit());
-            let normal = planes::normal(scene, &hit).unit();
-            let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, &hit, scene.bare_albedo()));
-            let [mu0, mu] = [to_sun, to_here].map(|direction| normal.dot(direction).max(0.0));
-            let brdf_sr = scene.brdf_sr(albedo, mu0, mu, to_sun.dot(to_here));
-            Some(brdf_sr * lit_w_m2 * f64::from(ray.weight_sr))
-        };
-        gather.rays[point].iter().filter_map(from).filter(|light| light.is_finite()).sum()
-    }
 }
 
 impl Gather {
@@ -160,7 +107,7 @@ impl Gather {
     }
 
     /// Grid coordinates of a point.
-    fn node(&self, surface: &Surface, [face, level]: [usize; 2], point: usize) -> DVec2 {
+    pub(super) fn node(&self, surface: &Surface, [face, level]: [usize; 2], point: usize) -> DVec2 {
         let nodes = &surface.terrain.faces[face].levels[level];
         let [column, row] = self.seen_node(nodes, point).map(|at| (at + nodes.margin) as f64);
         DVec2::new(column, row)
@@ -210,18 +157,8 @@ impl Gather {
         rays
     }
 
-    /// Sunlight on the facet at each point.
-    fn sunlit(&self, scene: &Scene, view: &View, shadow: Option<&dyn Shadow>, place: [usize; 2]) -> Vec<f32> {
-        let Some(sun) = view.lights.first() else { return vec![0.0; self.rays.len()] };
-        let lit = |point: usize| {
-            let hit = hit_at(scene, place[0], place[1], self.node(&scene.surface, place, point));
-            hit.map_or(0.0, |hit| irradiance_w_m2(scene, shadow, &hit, (0, sun)) as f32)
-        };
-        (0..self.rays.len()).into_par_iter().map(lit).collect()
-    }
-
     /// A value given at the points, bilinear at grid coordinates.
-    fn between_points(&self, level: &Level, values: &[f32], grid: DVec2) -> f64 {
+    pub(super) fn between_points(&self, level: &Level, values: &[f32], grid: DVec2) -> f64 {
         let seen = grid - level.margin as f64;
         let along = |at: f64, points: usize, nodes: usize| {
             let last = (nodes - 2 * level.margin - 1) as f64;
@@ -238,17 +175,9 @@ impl Gather {
         (1.0 - y) * at_row(row) + y * at_row(row + 1)
     }
 
-    fn at_all_nodes(&self, level: &Level, points: &[f32]) -> Vec<f32> {
+    pub(super) fn at_all_nodes(&self, level: &Level, points: &[f32]) -> Vec<f32> {
         let at = |index: usize| DVec2::new((index % level.columns) as f64, (index / level.columns) as f64);
         let nodes = 0..level.columns * level.rows;
         nodes.into_par_iter().map(|index| self.between_points(level, points, at(index)) as f32).collect()
     }
-}
-
-/// The ground at grid coordinates of a level.
-fn hit_at(scene: &Scene, face: usize, level: usize, grid: DVec2) -> Option<Hit> {
-    let (map, nodes) = (&scene.surface.terrain.faces[face].map, &scene.surface.terrain.faces[face].levels[level]);
-    let lifted = nodes.map_from_grid(grid).extend(nodes.bilinear_m(grid)?);
-    let position = map.body_from_lifted(lifted);
-    Some(Hit { ground: Ground::Dem { face, level, lifted }, position, distance_m: 0.0 })
 }

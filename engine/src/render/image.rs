@@ -227,6 +227,57 @@ impl Quantity {
     }
 }
 
+impl Quantity {
+    /// True for planes that belong to the ray through the pixel's centre.
+    pub fn is_geometric(self) -> bool {
+        use Quantity::*;
+        match self {
+            Radiance
+            | SpectralRadiance
+            | GroundIrradiance
+            | SpectralGroundIrradiance
+            | RadianceFactor
+            | FocalPlaneIrradiance
+            | DigitalNumber
+            | NoiseFreeDigitalNumber
+            | SunFraction
+            | SunIlluminationMask
+            | Hit
+            | ShadowChange => false,
+            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
+            | InventedHeight => true,
+            EllipsoidIncidence
+            | EllipsoidEmission
+            | Slope
+            | Aspect
+            | NorthAzimuth
+            | SunAzimuth
+            | SubsolarGroundAzimuth => true,
+            SunFractionSigma | DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence
+            | Emission | Phase | GroundSampleDistance => true,
+        }
+    }
+}
+
+impl Quantity {
+    /// True for planes that need more than one view, or a lander: the renderers leave them to whoever knows those.
+    pub fn is_label(self) -> bool {
+        use Quantity::*;
+        matches!(
+            self,
+            Flow | Covisible
+                | FlowBack
+                | CovisibleBack
+                | ShadowChange
+                | HazardSlope
+                | HazardRoughness
+                | HazardSunlit
+                | Hazard
+                | InventedHeight
+        )
+    }
+}
+
 /// One channel of an image, row by row from the top left. Pixels without a value are NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {

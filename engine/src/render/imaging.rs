@@ -19,7 +19,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use super::planes::{self, Part, Radiometry, Samples};
-use super::{Image, Rays, RenderError, Renderer, Scene, View};
+use super::{Image, Rays, RenderError, Scene, Session, View};
 use crate::camera::{Camera as Optics, Detector, ExposedRows as Band, Pose, Psf, Shutter};
 
 /// What a camera does beyond a pinhole that stands still for an instant.
@@ -62,13 +62,7 @@ impl OwnedPart {
 
 impl Imaging {
     /// Takes the image of a view from the poses of each band's moments; exposure and lights are the view's.
-    pub fn take(
-        &self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        view: &View,
-        poses: &[Vec<Pose>],
-    ) -> Result<Taken, RenderError> {
+    pub fn take(&self, session: &mut Session, view: &View, poses: &[Vec<Pose>]) -> Result<Taken, RenderError> {
         let mut taken = Taken { parts: Vec::new(), device: Duration::ZERO };
         let mut poses = poses.iter();
         for piece in self.timing.shutter.pieces(self.timing.rows) {
@@ -78,8 +72,8 @@ impl Imaging {
                 .map(|(band, poses)| (band, poses.iter().map(|pose| view.from(pose)).collect()))
                 .collect();
             match &self.psf {
-                None => bands.iter().try_for_each(|band| taken.sharp(renderer, scene, band))?,
-                Some(psf) => taken.spread(renderer, scene, psf, &bands)?,
+                None => bands.iter().try_for_each(|band| taken.sharp(session, band))?,
+                Some(psf) => taken.spread(session, psf, &bands)?,
             }
         }
         Ok(taken)
@@ -107,8 +101,8 @@ impl Taken {
     }
 
     /// Irradiance of the focal plane, row by row.
-    pub fn focal_plane_irradiance(&self, scene: &Scene) -> Vec<f32> {
-        planes::focal_plane_irradiance(scene, &self.parts())
+    pub fn focal_plane_irradiance(&self) -> Vec<f32> {
+        planes::focal_plane_irradiance(&self.parts())
     }
 
     /// What was sampled, where all rows are exposed together.
@@ -124,23 +118,17 @@ impl Taken {
     }
 
     /// What some rays see from each moment's view: all of the middle one, and the mean radiance.
-    fn moments(
-        &mut self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        rays: &Rays,
-        views: &[View],
-    ) -> Result<Samples, RenderError> {
+    fn moments(&mut self, session: &mut Session, rays: &Rays, views: &[View]) -> Result<Samples, RenderError> {
         let middle = views.len() / 2;
-        let mut samples = self.follow(renderer, scene, rays, &views[middle])?;
+        let mut samples = self.follow(session, rays, &views[middle])?;
         if views.len() == 1 {
             return Ok(samples);
         }
         let mut sums: Vec<f64> = samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr)).collect();
         // Refinement asks for the centres at every moment, planes only at the middle one.
-        let others = Rays { centres: scene.refine.is_some(), ..rays.clone() };
+        let others = Rays { centres: session.scene().refine.is_some(), ..rays.clone() };
         for (_, view) in views.iter().enumerate().filter(|(index, _)| *index != middle) {
-            let seen = self.follow(renderer, scene, &others, view)?;
+            let seen = self.follow(session, &others, view)?;
             sums.iter_mut().zip(&seen.pixels).for_each(|(sum, pixel)| *sum += f64::from(pixel.radiance_w_m2_sr));
         }
         for (pixel, sum) in samples.pixels.iter_mut().zip(sums) {
@@ -149,54 +137,39 @@ impl Taken {
         Ok(samples)
     }
 
-    fn follow(
-        &mut self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        rays: &Rays,
-        view: &View,
-    ) -> Result<Samples, RenderError> {
-        let samples = renderer.follow(scene, rays, view)?;
-        self.device += renderer.device_time().unwrap_or_default();
+    fn follow(&mut self, session: &mut Session, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
+        let samples = session.follow(rays, view)?;
+        self.device += session.device_time().unwrap_or_default();
         Ok(samples)
     }
 
-    fn sharp(
-        &mut self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        (band, views): &(Band, Vec<View>),
-    ) -> Result<(), RenderError> {
-        let optics = scene.optics.part([0, band.first_row], scene.optics.columns, band.rows);
-        let samples = self.moments(renderer, scene, &Rays { optics, ..scene.rays() }, views)?;
-        self.push(scene, band, views, samples);
+    fn sharp(&mut self, session: &mut Session, (band, views): &(Band, Vec<View>)) -> Result<(), RenderError> {
+        let view = &views[views.len() / 2];
+        let rays = Rays { optics: rows(view, band), ..session.scene().rays(view) };
+        let samples = self.moments(session, &rays, views)?;
+        self.push(band, views, samples);
         Ok(())
     }
 
     /// Bands whose light is spread together. Each ray is rendered as a pixel of its own, with a margin all round.
-    fn spread(
-        &mut self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
-        psf: &Psf,
-        bands: &[(Band, Vec<View>)],
-    ) -> Result<(), RenderError> {
-        let (side, reach) = (scene.samples_per_side as u32, psf.reach as u32);
-        let columns = scene.optics.columns;
+    fn spread(&mut self, session: &mut Session, psf: &Psf, bands: &[(Band, Vec<View>)]) -> Result<(), RenderError> {
+        let Some((_, [first, ..])) = bands.first().map(|(band, views)| (band, views.as_slice())) else { return Ok(()) };
+        let (side, reach) = (first.samples_per_side as u32, psf.reach as u32);
+        let columns = first.optics.columns;
         let mut rays = Vec::new();
         let mut means = Vec::new();
         for (index, (band, views)) in bands.iter().enumerate() {
             let above = if index == 0 { reach } else { 0 };
             let below = if index + 1 == bands.len() { reach } else { 0 };
             let (width, height) = (columns + 2 * reach, above + band.rows + below);
-            let first = [-i64::from(reach), band.first_row - i64::from(above)];
-            let optics = scene.optics.part(first, width, height).resized(width * side, height * side);
-            let each = Rays { optics, samples_per_side: 1, centres: scene.refine.is_some() };
-            let fine = self.moments(renderer, scene, &each, views)?;
+            let corner = [-i64::from(reach), band.first_row - i64::from(above)];
+            let optics = views[0].optics.part(corner, width, height).resized(width * side, height * side);
+            let each = Rays { optics, samples_per_side: 1, centres: session.scene().refine.is_some() };
+            let fine = self.moments(session, &each, views)?;
             rays.extend(fine.pixels.iter().map(|pixel| pixel.radiance_w_m2_sr));
             let within = Within { stride: (width * side) as usize, side: side as usize };
             let rows = above as usize..(above + band.rows) as usize;
-            let centres = self.centres(renderer, scene, band, &views[views.len() / 2])?;
+            let centres = self.centres(session, band, &views[views.len() / 2])?;
             let inside = reach as usize..(reach + columns) as usize;
             means.push(Samples { pixels: within.means(&fine.pixels, inside, rows), centres });
         }
@@ -204,7 +177,7 @@ impl Taken {
         let mut light = psf.spread(&rays, [columns as usize, rows as usize]).into_iter();
         for ((band, views), mut samples) in bands.iter().zip(means) {
             samples.pixels.iter_mut().zip(&mut light).for_each(|(pixel, light)| pixel.radiance_w_m2_sr = light);
-            self.push(scene, band, views, samples);
+            self.push(band, views, samples);
         }
         Ok(())
     }
@@ -212,23 +185,26 @@ impl Taken {
     /// Hits of the pixels' centres, where planes need them.
     fn centres(
         &mut self,
-        renderer: &mut dyn Renderer,
-        scene: &Scene,
+        session: &mut Session,
         band: &Band,
         view: &View,
     ) -> Result<Vec<Option<crate::terrain::Hit>>, RenderError> {
-        if !scene.needs_centres() {
+        if !session.scene().needs_centres(view) {
             return Ok(Vec::new());
         }
-        let optics = scene.optics.part([0, band.first_row], scene.optics.columns, band.rows);
-        let rays = Rays { optics, samples_per_side: 1, centres: true };
-        Ok(self.follow(renderer, scene, &rays, view)?.centres)
+        let rays = Rays { optics: rows(view, band), samples_per_side: 1, centres: true };
+        Ok(self.follow(session, &rays, view)?.centres)
     }
 
-    fn push(&mut self, scene: &Scene, band: &Band, views: &[View], samples: Samples) {
-        let optics = scene.optics.part([0, band.first_row], scene.optics.columns, band.rows);
-        self.parts.push(OwnedPart { optics, view: views[views.len() / 2].clone(), samples });
+    fn push(&mut self, band: &Band, views: &[View], samples: Samples) {
+        let view = views[views.len() / 2].clone();
+        self.parts.push(OwnedPart { optics: rows(&view, band), view, samples });
     }
+}
+
+/// The part of a view's optics that sees a band's rows.
+fn rows(view: &View, band: &Band) -> Optics {
+    view.optics.part([0, band.first_row], view.optics.columns, band.rows)
 }
 
 /// Rays of a frame, each as a pixel of its own, row by row.

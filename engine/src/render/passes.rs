@@ -10,6 +10,7 @@
 mod rays;
 mod skylines;
 mod starts;
+mod uncertain;
 mod upload;
 
 use std::time::Duration;
@@ -24,11 +25,13 @@ pub use upload::DeviceGround;
 use rays::Band;
 use skylines::DeviceSkylines;
 use starts::{DeviceMesh, Starts};
+use uncertain::trace_uncertain;
 use upload::PackedLevel;
 
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
-use super::{AlbedoRole, Diffuse, Rays, RenderError, Renderer, Scene, Shadows, View, ViewRays, reference, refine};
+use super::recent::Recent;
+use super::{Diffuse, Rays, RenderError, Scene, Shadows, View, ViewRays, reference};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
@@ -51,43 +54,47 @@ pub const SHADER: &str = concat!(
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
 
-/// Renders with compute shaders.
+/// A scene on a device, and what its views have asked for so far.
 #[derive(Debug)]
-pub struct Passes<'a> {
-    gpu: &'a Gpu,
-    prepared: Option<Prepared>,
-    device_time: Option<Duration>,
-}
-
-/// What stays on the device from view to view.
-#[derive(Debug)]
-struct Prepared {
+pub struct Passes {
+    gpu: Gpu,
     shader: String,
-    constants: Vec<(&'static str, f64)>,
-    programs: Vec<Program>,
-    tables: Vec<Table>,
+    /// Those that no view changes.
+    constants: Vec<Constant>,
+    programs: Recent<Vec<Constant>, ComputePipeline>,
+    tables: Recent<Rays, Table>,
     disk_tables: Buffer,
     ground: DeviceGround,
     skylines: Option<DeviceSkylines>,
     /// Where rays start that are not cast exactly from the camera.
     mesh: Option<DeviceMesh>,
+    device_time: Option<Duration>,
 }
 
-/// The pass for a number of rays a pixel, with their centre or without.
-#[derive(Debug)]
-struct Program {
-    samples_per_side: usize,
-    centres: bool,
-    pipeline: ComputePipeline,
-}
+/// An `override` value of the shader.
+type Constant = (&'static str, f64);
+
+/// Programs that are kept. Views differ in few of the numbers that a program is made for.
+const PROGRAMS: usize = 16;
+
+/// Bytes of rays' directions that are kept, and what a table counts for at least.
+const TABLE_BYTES: usize = 512 << 20;
+const LEAST_TABLE_BYTES: usize = 1 << 20;
 
 /// The directions of some rays, on the device.
 #[derive(Debug)]
 struct Table {
-    rays: Rays,
-    program: usize,
     bands: Vec<Band>,
     window: RayWindow,
+}
+
+/// What a session keeps besides its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Kept {
+    /// Compiled programs.
+    pub programs: usize,
+    /// Tables of rays.
+    pub tables: usize,
 }
 
 /// What the device made of a view.
@@ -99,73 +106,24 @@ struct Dispatched {
     seconds: Option<f64>,
 }
 
-impl<'a> Passes<'a> {
-    pub fn new(gpu: &'a Gpu) -> Self {
-        Self { gpu, prepared: None, device_time: None }
-    }
-}
-
-impl Renderer for Passes<'_> {
-    fn adapter(&self) -> String {
-        self.gpu.describe()
-    }
-
-    fn device_time(&self) -> Option<Duration> {
-        self.device_time
-    }
-
-    fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
-        let kept = self.prepared.as_mut().and_then(|prepared| prepared.skylines.as_mut());
-        match kept.filter(|_| scene.shadows.towards().is_some()) {
-            Some(kept) => kept.on_host(self.gpu, scene),
-            None => Ok(Skylines::default()),
-        }
-    }
-
-    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
-        if self.prepared.is_none() {
-            self.prepared = Some(Prepared::new(self.gpu, scene, view)?);
-        }
-        let prepared = self.prepared.as_mut().expect("prepared above");
-        // Bounced light is found on the host, from the same shadows as the reference renderer's.
-        let shadow = match scene.bounce {
-            Some(_) => reference::shadow(scene, view, &prepared.found_on_host(scene, view)?)?,
-            None => None,
-        };
-        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-        let Dispatched { pixels, centres, seconds } =
-            prepared.dispatch(self.gpu, scene, rays, view, diffuse.as_ref())?;
-        self.device_time = seconds.map(Duration::from_secs_f64);
-        let pixels = pixels.iter().map(Radiometry::from).collect();
-        let centres = if rays.centres { prepared.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
-        let mut samples = Samples { pixels, centres };
-        refine::settle(scene, rays, view, diffuse.as_ref(), &mut samples);
-        Ok(samples)
-    }
-}
-
-impl Prepared {
-    fn new(gpu: &Gpu, scene: &Scene, view: &View) -> Result<Self, RenderError> {
+impl Passes {
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
         let ground = DeviceGround::new(gpu, scene)?;
         let mut constants = vec![
             ("FACES", scene.surface.terrain.faces.len() as f64),
-            ("LIGHTS", view.lights.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("ALBEDO_IS_W", f64::from(u8::from(scene.albedo_role == AlbedoRole::SingleScattering))),
-            ("BARE_ALBEDO", scene.bare_albedo()),
             ("SKY_W_M2", Diffuse::unit_w_m2(scene)),
             ("BARE_SKY", Diffuse::bare_share(scene)),
-            scene.reflectance.constant(),
         ];
         constants.extend(scene.disk.constants());
         let skylines = match scene.shadows.are_found_at_nodes() {
-            true => Some(DeviceSkylines::new(gpu, scene, &ground, view.lights.len())?),
+            true => Some(DeviceSkylines::new(gpu, scene, &ground)?),
             false => None,
         };
         constants.extend(ground.constants);
         // Fields take one page, whatever the horizon maps that they come from take.
         constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
-        let source = match &scene.shadows {
+        let source = match scene.shadows.as_ref() {
             Shadows::None | Shadows::Traced(_) => 0,
             Shadows::Fourier(_) => 1,
             Shadows::Baked(_) | Shadows::Towards(_) => 2,
@@ -188,15 +146,50 @@ impl Prepared {
         constants.extend(ground.encoding.constants());
         let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
         Ok(Self {
+            gpu: gpu.clone(),
             shader,
             constants,
-            programs: Vec::new(),
-            tables: Vec::new(),
+            programs: Recent::new(PROGRAMS),
+            tables: Recent::new(TABLE_BYTES),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             skylines,
             mesh,
+            device_time: None,
         })
+    }
+
+    /// What some rays from a view's pose see. The scene is the one that was given to [`Self::new`].
+    pub fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
+        // Bounced light is found on the host, from the same shadows as the reference renderer's.
+        let shadow = match scene.bounce {
+            Some(_) => reference::shadow(scene, view, &self.found_on_host(scene, view)?)?,
+            None => None,
+        };
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
+        let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, diffuse.as_ref())?;
+        self.device_time = seconds.map(Duration::from_secs_f64);
+        let pixels = pixels.iter().map(Radiometry::from).collect();
+        let centres = if rays.centres { self.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
+        let mut samples = Samples { pixels, centres };
+        trace_uncertain(scene, rays, view, diffuse.as_ref(), &mut samples);
+        Ok(samples)
+    }
+
+    /// The skylines that the last view was rendered with.
+    pub fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
+        match self.skylines.as_mut().filter(|_| scene.shadows.towards().is_some()) {
+            Some(kept) => kept.on_host(&self.gpu, scene),
+            None => Ok(Skylines::default()),
+        }
+    }
+
+    pub fn device_time(&self) -> Option<Duration> {
+        self.device_time
+    }
+
+    pub fn kept(&self) -> Kept {
+        Kept { programs: self.programs.len(), tables: self.tables.len() }
     }
 
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
@@ -207,50 +200,14 @@ impl Prepared {
         }
     }
 
-    /// Where the table of some rays is; it is made once.
-    fn table(&mut self, gpu: &Gpu, rays: &Rays) -> Result<usize, RenderError> {
-        if let Some(index) = self.tables.iter().position(|table| table.rays == *rays) {
-            return Ok(index);
-        }
-        let mut points = rays.offsets();
-        let samples = points.len();
-        // Where a sample goes through the centre it serves for both.
-        let central = points.iter().position(|offset| *offset == DVec2::ZERO);
-        if rays.centres && central.is_none() {
-            points.push(DVec2::ZERO);
-        }
-        let centre = if rays.centres { central.unwrap_or(samples) } else { points.len() };
-        let same =
-            |program: &Program| (program.samples_per_side, program.centres) == (rays.samples_per_side, rays.centres);
-        let program = match self.programs.iter().position(same) {
-            Some(program) => program,
-            None => {
-                let numbers = [("RAYS", points.len()), ("SAMPLES", samples), ("CENTRE", centre)];
-                let numbers = numbers.map(|(name, number)| (name, number as f64));
-                let constants = [&numbers[..], &self.constants].concat();
-                let pipeline = gpu.compute("radiance", &self.shader, "main", &constants)?;
-                self.programs.push(Program {
-                    samples_per_side: rays.samples_per_side,
-                    centres: rays.centres,
-                    pipeline,
-                });
-                self.programs.len() - 1
-            }
-        };
-        let (bands, window) = Band::all(gpu, &rays.optics, &points);
-        self.tables.push(Table { rays: rays.clone(), program, bands, window });
-        Ok(self.tables.len() - 1)
-    }
-
     fn dispatch(
         &mut self,
-        gpu: &Gpu,
         scene: &Scene,
         rays: &Rays,
         view: &View,
         diffuse: Option<&Diffuse>,
     ) -> Result<Dispatched, RenderError> {
-        let table = self.table(gpu, rays)?;
+        let gpu = &self.gpu;
         let bounced = diffuse.filter(|_| scene.bounce.is_some());
         let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
         let held = view.held_lights();
@@ -269,15 +226,20 @@ impl Prepared {
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
         let lights = gpu.storage("lights", &lights);
-        // A sweep varies the albedo between views.
-        let reflectance = gpu.storage("reflectance", &[scene.reflectance.parameters()]);
-        let table = &self.tables[table];
+        let reflectance = gpu.storage("reflectance", &[view.reflectance.parameters()]);
+        let points = Points::of(rays);
+        let make = |rays: &Rays| Ok::<_, RenderError>(Table::new(gpu, rays, &points.offsets));
+        let table = self.tables.get_or_make(rays.clone(), make)?;
+        let constants = points.constants().into_iter().chain(view_constants(scene, view)).collect();
+        let pipeline = self.programs.get_or_make(constants, |constants| {
+            let constants = [&constants[..], &self.constants].concat();
+            gpu.compute("radiance", &self.shader, "main", &constants).map(|program| (program, 1))
+        })?;
         let starts = match &self.mesh {
             Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
             None => Starts::at_the_camera(gpu),
         };
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
-        let pipeline = &self.programs[table.program].pipeline;
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
@@ -352,6 +314,52 @@ impl Prepared {
                 Some(Hit { ground, position, distance_m })
             }
         }
+    }
+}
+
+/// The values of the shader that hang on the view.
+fn view_constants(scene: &Scene, view: &View) -> [Constant; 3] {
+    [
+        ("LIGHTS", view.lights.len() as f64),
+        ("ALBEDO_IS_W", f64::from(u8::from(scene.albedo_is_w(&view.reflectance)))),
+        view.reflectance.constant(),
+    ]
+}
+
+/// Where rays go through each pixel.
+struct Points {
+    /// From its centre, the samples first.
+    offsets: Vec<DVec2>,
+    samples: usize,
+    /// Which of them goes through the centre; as many as there are where none does.
+    centre: usize,
+}
+
+impl Points {
+    fn of(rays: &Rays) -> Self {
+        let mut offsets = rays.offsets();
+        let samples = offsets.len();
+        // Where a sample goes through the centre it serves for both.
+        let central = offsets.iter().position(|offset| *offset == DVec2::ZERO);
+        if rays.centres && central.is_none() {
+            offsets.push(DVec2::ZERO);
+        }
+        let centre = if rays.centres { central.unwrap_or(samples) } else { offsets.len() };
+        Self { offsets, samples, centre }
+    }
+
+    fn constants(&self) -> [Constant; 3] {
+        [("RAYS", self.offsets.len()), ("SAMPLES", self.samples), ("CENTRE", self.centre)]
+            .map(|(name, number)| (name, number as f64))
+    }
+}
+
+impl Table {
+    /// With its size in bytes.
+    fn new(gpu: &Gpu, rays: &Rays, offsets: &[DVec2]) -> (Self, usize) {
+        let (bands, window) = Band::all(gpu, &rays.optics, offsets);
+        let bytes: usize = bands.iter().map(|band| band.rays.size() as usize).sum();
+        (Self { bands, window }, bytes.max(LEAST_TABLE_BYTES))
     }
 }
 

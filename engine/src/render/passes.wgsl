@@ -72,9 +72,8 @@ override LIGHTS: u32;
 // Where shadows come from: nowhere, series, skylines of nodes, runs over maximum mipmaps, lighting factors, or those of nodes.
 override SKYLINES: u32;
 override ALBEDO_MAP: bool;
-// Whether its values are Hapke's w rather than factors on the reflectance; what stands where it has none.
+// Whether its values are Hapke's w rather than factors on the reflectance.
 override ALBEDO_IS_W: bool;
-override BARE_ALBEDO: f32;
 // Irradiance of a facet that sees the whole sky.
 override SKY_W_M2: f32;
 // Share of it on ground without DEM heights.
@@ -198,7 +197,8 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     facet.position_m = view.camera_m.xyz + hit.distance_m * body_d;
     facet.normal = normalize(facet.position_m / (view.radii_m.xyz * view.radii_m.xyz));
     facet.up = facet.normal;
-    facet.albedo = BARE_ALBEDO;
+    // Outside the map nothing changes, or the law's own w holds.
+    facet.albedo = select(1.0, reflectance.single_scattering_albedo, ALBEDO_IS_W);
     facet.sky = BARE_SKY;
     facet.gap = false;
     return facet;
@@ -280,7 +280,7 @@ struct Sample {
 
 // Radiance over irradiance of ground with a value of the map of albedos.
 fn ground_sr(albedo: f32, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
-    if ALBEDO_MAP && ALBEDO_IS_W {
+    if ALBEDO_IS_W {
         var ground = reflectance;
         ground.single_scattering_albedo = clamp(albedo, 0.0, 1.0);
         return brdf_sr(ground, mu0, mu, phase_cosine);

@@ -10,10 +10,10 @@ use std::cell::OnceCell;
 use glam::DVec2;
 use rayon::prelude::*;
 
+pub use super::facet::normal;
 use super::{Image, Plane, Quantity, Scene, View};
 use crate::camera::{Camera as Optics, Detector};
-use crate::geometry::{BodyFixed, Direction, Position};
-use crate::terrain::{Ground, Hit};
+use crate::terrain::Hit;
 use seen::{Found, Seen};
 
 /// What a renderer gives, pixel by pixel.
@@ -35,59 +35,8 @@ pub struct Radiometry {
     pub hit: f32,
 }
 
-impl Quantity {
-    /// True for planes that belong to the ray through the pixel's centre.
-    pub fn is_geometric(self) -> bool {
-        use Quantity::*;
-        match self {
-            Radiance
-            | SpectralRadiance
-            | GroundIrradiance
-            | SpectralGroundIrradiance
-            | RadianceFactor
-            | FocalPlaneIrradiance
-            | DigitalNumber
-            | NoiseFreeDigitalNumber
-            | SunFraction
-            | SunIlluminationMask
-            | Hit
-            | ShadowChange => false,
-            Flow | Covisible | FlowBack | CovisibleBack | HazardSlope | HazardRoughness | HazardSunlit | Hazard
-            | InventedHeight => true,
-            EllipsoidIncidence
-            | EllipsoidEmission
-            | Slope
-            | Aspect
-            | NorthAzimuth
-            | SunAzimuth
-            | SubsolarGroundAzimuth => true,
-            SunFractionSigma | DemGap | Depth | Range | Normal | Latitude | Longitude | Height | Incidence
-            | Emission | Phase | GroundSampleDistance => true,
-        }
-    }
-}
-
 /// From this share of the Sun's disc on a pixel is lit.
 pub const LIT_SHARE: f32 = 0.5;
-
-impl Quantity {
-    /// True for planes that need more than one view, or a lander: [`crate::render`] leaves them to whoever knows those.
-    pub fn is_label(self) -> bool {
-        use Quantity::*;
-        matches!(
-            self,
-            Flow | Covisible
-                | FlowBack
-                | CovisibleBack
-                | ShadowChange
-                | HazardSlope
-                | HazardRoughness
-                | HazardSunlit
-                | Hazard
-                | InventedHeight
-        )
-    }
-}
 
 /// Rows of an image that are seen through one part of the optics from one pose.
 #[derive(Debug, Clone, Copy)]
@@ -97,20 +46,21 @@ pub struct Part<'a> {
     pub samples: &'a Samples,
 }
 
-/// The planes of `scene.quantities`, but for labels, of an image that is taken at once.
+/// The planes of `view.quantities`, but for labels, of an image that is taken at once.
 pub fn image(scene: &Scene, view: &View, samples: &Samples) -> Image {
-    image_of(scene, scene.detector.as_ref(), &[Part { optics: &scene.optics, view, samples }])
+    image_of(scene, view.detector.as_ref(), &[Part { optics: &view.optics, view, samples }])
 }
 
 /// The planes of an image of parts, but for labels, the upper one first.
 pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> Image {
     let rows = parts.iter().map(|part| part.optics.rows as usize).sum();
     let columns = parts.first().map_or(0, |part| part.optics.columns as usize);
-    let wanted: Vec<Quantity> = scene.quantities.iter().copied().filter(|quantity| !quantity.is_label()).collect();
+    let asked = parts.first().map_or(&[][..], |part| &part.view.quantities);
+    let wanted: Vec<Quantity> = asked.iter().copied().filter(|quantity| !quantity.is_label()).collect();
     let geometric: Vec<Quantity> = wanted.iter().copied().filter(|quantity| quantity.is_geometric()).collect();
     let mut geometry = joined(parts.iter().map(|part| part.geometric_channels(scene, &geometric))).into_iter();
     let light = OnceCell::new();
-    let light = || light.get_or_init(|| focal_plane_irradiance(scene, parts)).as_slice();
+    let light = || light.get_or_init(|| focal_plane_irradiance(parts)).as_slice();
     let planes = wanted.iter().flat_map(|&quantity| {
         let channels = match quantity {
             _ if quantity.is_geometric() => geometry.by_ref().take(quantity.channels().len()).collect(),
@@ -118,7 +68,7 @@ pub fn image_of(scene: &Scene, detector: Option<&Detector>, parts: &[Part]) -> I
                 vec![digital_numbers(detector, parts, quantity, light, columns)]
             }
             Quantity::FocalPlaneIrradiance => vec![light().to_vec()],
-            _ => vec![parts.iter().flat_map(|part| part.radiometric(scene, quantity)).collect()],
+            _ => vec![parts.iter().flat_map(|part| part.radiometric(quantity)).collect()],
         };
         let named = quantity.channels().iter().zip(channels);
         named.map(move |(name, values)| Plane { quantity, name, values }).collect::<Vec<_>>()
@@ -136,11 +86,11 @@ fn joined(mut parts: impl Iterator<Item = Vec<Vec<f32>>>) -> Vec<Vec<f32>> {
 }
 
 impl Part<'_> {
-    fn radiometric(&self, scene: &Scene, quantity: Quantity) -> Vec<f32> {
+    fn radiometric(&self, quantity: Quantity) -> Vec<f32> {
         let columns = self.optics.columns as usize;
         let value = |(index, mean): (usize, &Radiometry)| {
             let pixel = DVec2::new((index % columns) as f64, (index / columns) as f64);
-            radiometric(scene, self.optics, self.view, quantity, pixel, mean)
+            radiometric(self.optics, self.view, quantity, pixel, mean)
         };
         self.samples.pixels.par_iter().enumerate().map(value).collect()
     }
@@ -177,8 +127,8 @@ impl Part<'_> {
 }
 
 /// Irradiance of the focal plane, all parts.
-pub fn focal_plane_irradiance(scene: &Scene, parts: &[Part]) -> Vec<f32> {
-    parts.iter().flat_map(|part| part.radiometric(scene, Quantity::FocalPlaneIrradiance)).collect()
+pub fn focal_plane_irradiance(parts: &[Part]) -> Vec<f32> {
+    parts.iter().flat_map(|part| part.radiometric(Quantity::FocalPlaneIrradiance)).collect()
 }
 
 /// What the detector makes of the focal plane's irradiance; empty where there is no detector.
@@ -197,15 +147,8 @@ fn digital_numbers<'a>(
     numbers.into_iter().map(f32::from).collect()
 }
 
-fn radiometric(
-    scene: &Scene,
-    optics: &Optics,
-    view: &View,
-    quantity: Quantity,
-    pixel: DVec2,
-    mean: &Radiometry,
-) -> f32 {
-    let per_nm = |value: f32| (f64::from(value) / scene.band_width_nm.unwrap_or(f64::NAN)) as f32;
+fn radiometric(optics: &Optics, view: &View, quantity: Quantity, pixel: DVec2, mean: &Radiometry) -> f32 {
+    let per_nm = |value: f32| (f64::from(value) / view.band_width_nm.unwrap_or(f64::NAN)) as f32;
     match quantity {
         Quantity::Radiance => mean.radiance_w_m2_sr,
         Quantity::GroundIrradiance => mean.irradiance_w_m2,
@@ -232,22 +175,4 @@ pub fn pixel_angle_rad(optics: &Optics, pixel: DVec2) -> f64 {
     let here = optics.direction(pixel);
     let next = optics.direction(pixel + DVec2::X);
     here.zip(next).map_or(f64::NAN, |(here, next)| here.angle_to(next))
-}
-
-/// The outward normal of the ground at a hit, interpolated between the nodes' central differences.
-pub fn normal(scene: &Scene, hit: &Hit) -> Direction<BodyFixed> {
-    let terrain = &scene.surface.terrain;
-    match hit.ground {
-        Ground::Dem { face, level, lifted } => {
-            let face = &terrain.faces[face];
-            let gradient = face.levels[level].interpolated_gradient(lifted.truncate());
-            face.map.map_from_body.inverse() * face.map.normal(lifted, gradient)
-        }
-        Ground::Bare | Ground::Gap => bare_normal(scene, hit.position),
-    }
-}
-
-fn bare_normal(scene: &Scene, position: Position<BodyFixed>) -> Direction<BodyFixed> {
-    let body = &scene.surface.terrain.body;
-    body.up(body.geodetic_from_position(position))
 }

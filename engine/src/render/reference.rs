@@ -14,44 +14,37 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::planes::{Radiometry, Samples, normal};
-use super::refine::Settled;
-use super::{Diffuse, Light, Rays, RenderError, Renderer, Scene, Shadows, View};
+use super::facet::{at_nodes, normal, site};
+use super::planes::{Radiometry, Samples};
+use super::refine::UncertainTraced;
+use super::{Diffuse, Light, Rays, RenderError, Scene, Shadows, View};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{
-    Disc, Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Site, Skylines, Traced,
-};
+use crate::shadow::{Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Skylines, Traced};
 use crate::terrain::{Ground, Hit};
 
-/// Renders on the CPU, in f64, on all cores.
-#[derive(Debug, Default)]
-pub struct Reference;
+/// What manifests call this renderer.
+pub const NAME: &str = "reference renderer (CPU, f64)";
 
-impl Renderer for Reference {
-    fn adapter(&self) -> String {
-        "reference renderer (CPU, f64)".into()
-    }
-
-    fn follow(&mut self, scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
-        let shadow = shadow(scene, view, &Skylines::default())?;
-        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-        let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
-        let offsets = rays.offsets();
-        let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
-        let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
-        let pixels = (0..columns * rows)
-            .into_par_iter()
-            .map(|index| mean(scene, &rays.optics, view, lighting, pixel(index), &offsets))
-            .collect();
-        let centres = if rays.centres {
-            (0..columns * rows).into_par_iter().map(|index| look(scene, &rays.optics, view, pixel(index))).collect()
-        } else {
-            Vec::new()
-        };
-        Ok(Samples { pixels, centres })
-    }
+/// What some rays from a view's pose see: on the CPU, in f64, on all cores.
+pub fn follow(scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
+    let shadow = shadow(scene, view, &Skylines::default())?;
+    let diffuse = Diffuse::of(scene, view, shadow.as_deref());
+    let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
+    let offsets = rays.offsets();
+    let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
+    let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
+    let pixels = (0..columns * rows)
+        .into_par_iter()
+        .map(|index| mean(scene, &rays.optics, view, lighting, pixel(index), &offsets))
+        .collect();
+    let centres = if rays.centres {
+        (0..columns * rows).into_par_iter().map(|index| look(scene, &rays.optics, view, pixel(index))).collect()
+    } else {
+        Vec::new()
+    };
+    Ok(Samples { pixels, centres })
 }
 
 /// What decides how bright the ground of a view is, besides the view's own lights.
@@ -68,14 +61,14 @@ pub fn shadow<'a>(
     known: &Skylines,
 ) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
     let surface = &scene.surface;
-    if let Some(settled) = Settled::of(scene) {
-        return Ok(Some(Box::new(settled)));
+    if let Some(shadow) = UncertainTraced::of(scene) {
+        return Ok(Some(Box::new(shadow)));
     }
     if let Some(method) = scene.shadows.towards() {
         let skylines = known.towards(surface, method, &view.held_lights())?;
         return Ok(Some(Box::new(Fetched { surface, skylines })));
     }
-    Ok(match &scene.shadows {
+    Ok(match scene.shadows.as_ref() {
         Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
         Shadows::Lighting(lighting) => {
             Some(Box::new(LightingFactors::new(surface, lighting, &scene.disk, &view.held_lights())))
@@ -141,7 +134,8 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
     }
     let to_camera = hit.position.direction_to(view.camera_position);
     let normal = normal(scene, hit);
-    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit, scene.bare_albedo()));
+    let law = &view.reflectance;
+    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit, scene.bare_albedo(law)));
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
         let lit = illuminate(scene, lighting.shadow, hit, normal, (index, light));
@@ -150,7 +144,7 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
             let mu0 = (lit.irradiance / (light.irradiance_w_m2 * lit.fraction)).min(1.0);
             let mu = normal.unit().dot(to_camera.unit()).max(0.0);
             let cos_phase = to_light.unit().dot(to_camera.unit());
-            sample.radiance += scene.brdf_sr(albedo, mu0, mu, cos_phase) * lit.irradiance;
+            sample.radiance += scene.brdf_sr(law, albedo, mu0, mu, cos_phase) * lit.irradiance;
         }
         if index == 0 {
             (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
@@ -159,38 +153,9 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
     if let Some((diffuse, to_camera)) = lighting.diffuse.zip(to_camera) {
         let mu = normal.unit().dot(to_camera.unit()).max(0.0);
         let irradiance = diffuse.unit_w_m2 * at_nodes(scene, &diffuse.shares, hit, diffuse.bare_share);
-        sample.radiance += scene.brdf_sr(albedo, 1.0, mu, mu) * irradiance;
+        sample.radiance += scene.brdf_sr(law, albedo, 1.0, mu, mu) * irradiance;
     }
     sample
-}
-
-/// A number given at the nodes, bilinear at a hit; `beyond` outside the terrain.
-pub(super) fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit, beyond: f64) -> f64 {
-    match hit.ground {
-        Ground::Dem { face, level, lifted } => {
-            let grid_level = &scene.surface.terrain.faces[face].levels[level];
-            let grid = grid_level.grid_from_map(lifted.truncate());
-            grid_level.bilinear_of(&maps[face][level], grid).unwrap_or(f64::NAN)
-        }
-        _ => beyond,
-    }
-}
-
-/// A hit on terrain, and a light's disc as its facet sees it.
-pub fn site<'a>(
-    scene: &'a Scene,
-    hit: &Hit,
-    normal: Direction<BodyFixed>,
-    (index, light): (usize, &Light),
-) -> Option<(Site<'a>, Disc<'a>)> {
-    let Ground::Dem { face, level, lifted } = hit.ground else { return None };
-    let towards = hit.position.direction_to(light.position)?;
-    let map = &scene.surface.terrain.faces[face].map;
-    let axes = SunAxes::new(map.map_from_body * towards, map.up(lifted.truncate()));
-    let angular_radius_rad = light.angular_radius_rad;
-    let facet = axes.facet(map.map_from_body * normal, angular_radius_rad);
-    let disc = Disc { light: index, disk: &scene.disk, axes, angular_radius_rad, facet };
-    Some((Site { map, face, level, lifted }, disc))
 }
 
 struct Lit {

@@ -1,44 +1,38 @@
 //! All a renderer needs, as plain numbers: no epoch, no kernel, no file.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera as Optics, Detector, Pose};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
 use crate::horizon::HorizonMap;
-use crate::photometry::{Hapke, Reflectance, SolarDisk};
+use crate::photometry::{Hapke, LimbDarkening, Reflectance, SolarDisk};
 use crate::shadow::{At, Baked, HeldLight, Lighting, Mipmaps, Towards};
 use crate::terrain::Surface;
 
 use super::{Bounce, Quantity};
 
-/// What stays the same from exposure to exposure.
-#[derive(Debug)]
+/// What stays the same from view to view. A clone shares all that is large: a session keeps one, so that nothing that is done to
+/// another reaches it.
+#[derive(Debug, Clone)]
 pub struct Scene {
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
     pub view_rays: ViewRays,
-    pub shadows: Shadows,
+    pub shadows: Arc<Shadows>,
     /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
     pub refine: Option<crate::horizon::Settings>,
-    pub reflectance: Reflectance,
     /// A number of the reflectance at the nodes of each face's levels; `None`: it is the same everywhere.
-    pub albedo: Option<Vec<Vec<Vec<f32>>>>,
+    pub albedo: Option<Arc<Vec<Vec<Vec<f32>>>>>,
     /// Which number that is.
     pub albedo_role: AlbedoRole,
     /// Light from all of the sky; `None`: the sky is black.
-    pub ambient: Option<Ambient>,
+    pub ambient: Option<Arc<Ambient>>,
     /// Sunlight that terrain reflects onto terrain; `None`: none.
-    pub bounce: Option<Bounce>,
+    pub bounce: Option<Arc<Bounce>>,
     /// The law of the lights' discs: the Sun's. Earthshine is 1e-4 of sunlight, and its disc's own law unknown.
-    pub disk: SolarDisk,
-    /// `∫ T dλ` of the camera's response; `None`: all wavelengths count.
-    pub band_width_nm: Option<f64>,
-    pub optics: Optics,
-    /// Turns light into digital numbers, where any are asked for.
-    pub detector: Option<Detector>,
-    /// Samples along each side of a pixel, on a regular grid.
-    pub samples_per_side: usize,
-    pub quantities: Vec<Quantity>,
+    pub disk: Arc<SolarDisk>,
 }
 
 /// How the first ground along a ray from the camera is found. The reference renderer always casts exactly.
@@ -154,7 +148,7 @@ impl Shadows {
     }
 }
 
-/// What changes from exposure to exposure.
+/// What may change from view to view.
 #[derive(Debug, Clone)]
 pub struct View {
     /// Counts the exposures of a sequence; the detector's noise depends on it.
@@ -163,6 +157,17 @@ pub struct View {
     pub camera_from_body: Rotation<Camera, BodyFixed>,
     /// The Sun first.
     pub lights: Vec<Light>,
+    /// How the ground reflects.
+    pub reflectance: Reflectance,
+    pub optics: Optics,
+    /// Samples along each side of a pixel, on a regular grid.
+    pub samples_per_side: usize,
+    /// `∫ T dλ` of the camera's response; `None`: all wavelengths count.
+    pub band_width_nm: Option<f64>,
+    /// Turns light into digital numbers, where any are asked for.
+    pub detector: Option<Detector>,
+    /// The planes that are asked for.
+    pub quantities: Vec<Quantity>,
 }
 
 /// A luminous disc.
@@ -175,10 +180,54 @@ pub struct Light {
     pub irradiance_w_m2: f64,
 }
 
+/// Normal albedo of a view's ground where none is given: about the Moon's.
+const DEFAULT_ALBEDO: f64 = 0.12;
+
 impl View {
-    /// The same exposure and lights from another pose.
+    /// Radiance of lunar-Lambert ground of normal albedo 0.12, seen by one ray through each pixel's centre.
+    pub fn new(pose: Pose, optics: Optics, lights: Vec<Light>) -> Self {
+        Self {
+            exposure: 0,
+            camera_position: pose.position,
+            camera_from_body: pose.camera_from_body,
+            lights,
+            reflectance: Reflectance::LunarLambert { normal_albedo: DEFAULT_ALBEDO },
+            optics,
+            samples_per_side: 1,
+            band_width_nm: None,
+            detector: None,
+            quantities: vec![Quantity::Radiance],
+        }
+    }
+
+    /// The view from another pose.
     pub fn from(&self, pose: &Pose) -> Self {
         Self { camera_position: pose.position, camera_from_body: pose.camera_from_body, ..self.clone() }
+    }
+
+    pub fn pose(&self) -> Pose {
+        Pose { position: self.camera_position, camera_from_body: self.camera_from_body }
+    }
+
+    pub fn with_reflectance(self, reflectance: Reflectance) -> Self {
+        Self { reflectance, ..self }
+    }
+
+    pub fn with_optics(self, optics: Optics) -> Self {
+        Self { optics, ..self }
+    }
+
+    /// With `n × n` samples in each pixel.
+    pub fn with_samples_per_side(self, samples_per_side: usize) -> Self {
+        Self { samples_per_side, ..self }
+    }
+
+    pub fn with_detector(self, detector: Detector) -> Self {
+        Self { detector: Some(detector), ..self }
+    }
+
+    pub fn with_quantities(self, quantities: impl Into<Vec<Quantity>>) -> Self {
+        Self { quantities: quantities.into(), ..self }
     }
 
     /// The lights as methods that find skylines in advance see them.
@@ -207,32 +256,92 @@ impl Rays {
 }
 
 impl Scene {
-    /// Those of the whole image from one pose.
-    pub fn rays(&self) -> Rays {
-        Rays { optics: self.optics.clone(), samples_per_side: self.samples_per_side, centres: self.needs_centres() }
+    /// A surface under a black sky and a Sun of even brightness, without cast shadows.
+    pub fn new(surface: impl Into<Arc<Surface>>) -> Self {
+        let disk = SolarDisk::new(LimbDarkening::Uniform).expect("an even disc is in the law's domain");
+        Self {
+            surface: surface.into(),
+            view_rays: ViewRays::Exact,
+            shadows: Arc::new(Shadows::None),
+            refine: None,
+            albedo: None,
+            albedo_role: AlbedoRole::Factor,
+            ambient: None,
+            bounce: None,
+            disk: Arc::new(disk),
+        }
+    }
+
+    pub fn with_shadows(self, shadows: Shadows) -> Self {
+        Self { shadows: Arc::new(shadows), ..self }
+    }
+
+    pub fn with_view_rays(self, view_rays: ViewRays) -> Self {
+        Self { view_rays, ..self }
+    }
+
+    /// With the Sun's share traced where horizon maps leave it open.
+    pub fn with_refinement(self, settings: crate::horizon::Settings) -> Self {
+        Self { refine: Some(settings), ..self }
+    }
+
+    /// With a map of albedos at the nodes of each face's levels.
+    pub fn with_albedo(self, albedo: Vec<Vec<Vec<f32>>>, role: AlbedoRole) -> Self {
+        Self { albedo: Some(Arc::new(albedo)), albedo_role: role, ..self }
+    }
+
+    pub fn with_ambient(self, ambient: Ambient) -> Self {
+        Self { ambient: Some(Arc::new(ambient)), ..self }
+    }
+
+    pub fn with_bounce(self, bounce: Bounce) -> Self {
+        Self { bounce: Some(Arc::new(bounce)), ..self }
+    }
+
+    pub fn with_disk(self, disk: SolarDisk) -> Self {
+        Self { disk: Arc::new(disk), ..self }
+    }
+
+    /// The rays of a view's whole image.
+    pub fn rays(&self, view: &View) -> Rays {
+        let View { optics, samples_per_side, .. } = view;
+        Rays { optics: optics.clone(), samples_per_side: *samples_per_side, centres: self.needs_centres(view) }
+    }
+
+    /// Whether the map of albedos holds Hapke's `w` and the law is his.
+    pub fn albedo_is_w(&self, law: &Reflectance) -> bool {
+        let holds_w = self.albedo.is_some() && self.albedo_role == AlbedoRole::SingleScattering;
+        holds_w && matches!(law, Reflectance::Hapke(_))
     }
 
     /// Radiance over irradiance of ground where the map of albedos has a value; 1 or none where there is no map.
-    pub fn brdf_sr(&self, albedo: f64, incidence_cosine: f64, emission_cosine: f64, phase_cosine: f64) -> f64 {
-        match (self.albedo_role, self.reflectance) {
-            (AlbedoRole::SingleScattering, Reflectance::Hapke(hapke)) if self.albedo.is_some() => {
-                let ground = Hapke { single_scattering_albedo: albedo.clamp(0.0, 1.0), ..hapke };
+    pub fn brdf_sr(
+        &self,
+        law: &Reflectance,
+        albedo: f64,
+        incidence_cosine: f64,
+        emission_cosine: f64,
+        phase_cosine: f64,
+    ) -> f64 {
+        match law {
+            Reflectance::Hapke(hapke) if self.albedo_is_w(law) => {
+                let ground = Hapke { single_scattering_albedo: albedo.clamp(0.0, 1.0), ..*hapke };
                 Reflectance::Hapke(ground).brdf_sr(incidence_cosine, emission_cosine, phase_cosine)
             }
-            (_, law) => albedo * law.brdf_sr(incidence_cosine, emission_cosine, phase_cosine),
+            law => albedo * law.brdf_sr(incidence_cosine, emission_cosine, phase_cosine),
         }
     }
 
     /// What stands for the map's value where it has none: nothing changes, or the law's own `w`.
-    pub fn bare_albedo(&self) -> f64 {
-        match (self.albedo_role, self.reflectance) {
-            (AlbedoRole::SingleScattering, Reflectance::Hapke(hapke)) => hapke.single_scattering_albedo,
+    pub fn bare_albedo(&self, law: &Reflectance) -> f64 {
+        match law {
+            Reflectance::Hapke(hapke) if self.albedo_is_w(law) => hapke.single_scattering_albedo,
             _ => 1.0,
         }
     }
 
-    /// True where refinement or any of the quantities needs the ray through the pixel's centre.
-    pub fn needs_centres(&self) -> bool {
-        self.refine.is_some() || self.quantities.iter().any(|quantity| quantity.is_geometric())
+    /// True where refinement or any of the view's quantities needs the ray through the pixel's centre.
+    pub fn needs_centres(&self, view: &View) -> bool {
+        self.refine.is_some() || view.quantities.iter().any(|quantity| quantity.is_geometric())
     }
 }

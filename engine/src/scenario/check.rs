@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::{Fault, Problem};
 use super::files::{Found, SearchPath};
 use super::tree::{Node, TextPosition};
+use crate::ephemeris::KernelSource;
 
 /// Says what a file is and where it can be had, by its name.
 pub type FileHint<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -54,9 +55,12 @@ impl Check<'_> {
         }
     }
 
-    pub fn kernel(&mut self, key: &str, name: &str) -> PathBuf {
-        let found = self.places.find_kernel(name);
-        self.found(key, name, found)
+    /// A kernel's file, or the kernel of that name that the program carries.
+    pub fn kernel(&mut self, key: &str, name: &str) -> KernelSource {
+        match (self.places.find(name), KernelSource::shipped(name)) {
+            (Found::Nowhere(_), Some(shipped)) => shipped,
+            (found, _) => KernelSource::File(self.found(key, name, found)),
+        }
     }
 
     fn found(&mut self, key: &str, name: &str, found: Found) -> PathBuf {

@@ -11,8 +11,8 @@ use super::tree::TextPosition;
 pub enum ScenarioError {
     #[error("cannot read the scenario {path}: {source}")]
     Read { path: PathBuf, source: std::io::Error },
-    #[error("no scenario {name}: looked for {}", list(looked_for))]
-    NotFound { name: String, looked_for: Vec<String> },
+    #[error("no scenario {name}: looked for {}; shipped are {}", looked_for.join(", "), shipped.join(", "))]
+    NotFound { name: String, looked_for: Vec<String>, shipped: Vec<&'static str> },
     #[error("{}", lines(path, problems))]
     Problems { path: PathBuf, problems: Vec<Problem> },
 }

@@ -9,8 +9,6 @@ pub struct SearchPath {
     pub beside: PathBuf,
     /// `--data`, then `SIM_DATA`.
     pub data: Vec<PathBuf>,
-    /// The kernels that are shipped with the program; only kernels are looked for there.
-    pub kernels: PathBuf,
 }
 
 /// What became of a file name.
@@ -21,25 +19,15 @@ pub(super) enum Found {
 }
 
 impl SearchPath {
-    /// The places for a scenario's file: its directory, `data`, and `SIM_DATA` or else `../shared/data` beside the
-    /// program's source.
+    /// The directories for a scenario's file: its directory, `data`, and `SIM_DATA`.
     pub fn of(scenario: &Path, data: &[PathBuf]) -> Self {
         let beside = scenario.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-        let fallback = std::env::var_os("SIM_DATA").map(PathBuf::from).unwrap_or_else(|| source.join("../shared/data"));
-        Self {
-            beside: beside.to_path_buf(),
-            data: data.iter().cloned().chain([fallback]).collect(),
-            kernels: source.join("kernels"),
-        }
+        let shared = std::env::var_os("SIM_DATA").map(PathBuf::from);
+        Self { beside: beside.to_path_buf(), data: data.iter().cloned().chain(shared).collect() }
     }
 
     pub(super) fn find(&self, name: &str) -> Found {
         find_in(name, self.directories())
-    }
-
-    pub(super) fn find_kernel(&self, name: &str) -> Found {
-        find_in(name, self.directories().chain([self.kernels.as_path()]))
     }
 
     fn directories(&self) -> impl Iterator<Item = &Path> {

@@ -1,6 +1,6 @@
 //! From a scenario's text to a [`Scenario`]: structure, files, ranges, degrees to radians.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::check::{Check, FileHint};
 use super::error::{Problem, ScenarioError};
@@ -8,25 +8,6 @@ use super::files::SearchPath;
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::{camera, light, motion, presets, structure, sweep, text, tree, world};
-
-/// Reads and resolves the scenario `name`: a path, or a name in `scenarios/`. Files are looked for in `data` too.
-pub fn load(name: &Path, data: &[PathBuf], about: FileHint) -> Result<Scenario, ScenarioError> {
-    let path = find(name)?;
-    let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
-    resolve(&path, &text, &SearchPath::of(&path, data), about)
-}
-
-fn find(name: &Path) -> Result<PathBuf, ScenarioError> {
-    let mut candidates = vec![name.to_path_buf()];
-    if name.components().count() == 1 {
-        candidates.push(Path::new("scenarios").join(name));
-        candidates.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name));
-    }
-    candidates.iter().find(|path| path.exists()).cloned().ok_or_else(|| ScenarioError::NotFound {
-        name: name.display().to_string(),
-        looked_for: candidates.iter().map(|path| path.display().to_string()).collect(),
-    })
-}
 
 /// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
 pub fn resolve(path: &Path, text: &str, places: &SearchPath, about: FileHint) -> Result<Scenario, ScenarioError> {

@@ -8,6 +8,7 @@ use hifitime::Epoch;
 use super::spec;
 use super::varied::Sweep;
 use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
+use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::labels::Wanted;
@@ -33,7 +34,7 @@ pub struct Scenario {
     /// Body-fixed frame by its SPICE name; `None`: the best that the kernels have.
     pub frame: Option<String>,
     /// `None`: the shipped default kernels.
-    pub kernels: Option<Vec<PathBuf>>,
+    pub kernels: Option<Vec<KernelSource>>,
     /// `None`: the bare spheroid.
     pub terrain: Option<Terrain>,
     pub horizon: Horizon,
@@ -219,7 +220,7 @@ pub enum Trajectory {
     },
     /// `path` is `None` where one of the scenario's kernels holds the body.
     Spk {
-        path: Option<PathBuf>,
+        path: Option<KernelSource>,
         naif_id: i32,
     },
     Oem {

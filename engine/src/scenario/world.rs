@@ -1,10 +1,9 @@
 //! Resolves body, kernels, terrain and surface.
 
-use std::path::PathBuf;
-
 use super::check::Check;
 use super::resolved::{Albedo, Dem, Globe, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
+use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 
@@ -34,7 +33,7 @@ pub fn frame(spec: &Spec, check: &mut Check) -> Option<String> {
     Some(frame.into())
 }
 
-pub fn kernels(written: &[String], check: &mut Check) -> Vec<PathBuf> {
+pub fn kernels(written: &[String], check: &mut Check) -> Vec<KernelSource> {
     check.rule(!written.is_empty(), "kernels", "[]", "names no kernel; leave the key out for the shipped ones");
     let mut found = Vec::new();
     for (index, name) in written.iter().enumerate() {

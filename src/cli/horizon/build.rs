@@ -2,10 +2,12 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::ValueEnum;
 use perilune_engine::geometry::Geodetic;
-use perilune_engine::horizon::{self, Encoding, ErrorStatistics, Memory};
+use perilune_engine::gpu::{Adapter, Gpu};
+use perilune_engine::horizon::{self, Encoding, ErrorStatistics, Memory, Resources};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::{self, Ground, Tile};
 use perilune_engine::report::machine::peak_memory_mib;
@@ -41,8 +43,8 @@ pub struct Args {
     /// graphics device
     #[arg(long, value_enum, default_value_t)]
     method: Method,
-    /// fm4, fm8, fm12, fm16: coefficients as half floats at falling resolutions; f4, f8, f12, f16: at full
-    /// resolution; raw8, raw12, raw16: sampled azimuths; w11, w16, w21: a water-filled pyramid of that many bytes a node
+    /// How skylines are stored: fm16, a Fourier pyramid of 16 coefficients; w21, a quantised one of as many bytes that errs
+    /// less; q, quantised in equal steps, for small files
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
@@ -78,7 +80,7 @@ pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let mut ground = args.levels.ground(&args.dems, args.at, &bars)?;
     // No rays are shot here.
-    ground.surface.pyramids = Vec::new();
+    Arc::make_mut(&mut ground.surface).pyramids = Vec::new();
     ground.resampling.iter().for_each(|line| bars.say(line));
     let settings = horizon::Settings {
         azimuths: args.azimuths,
@@ -97,8 +99,12 @@ pub fn run(args: Args) -> Outcome {
         all.push(facts);
         Ok(())
     };
-    let memory = Memory::mib(args.memory);
-    ground::horizons(&ground.surface, &settings, args.encoding, &output, memory, &bars, finished)?;
+    let device = match args.method {
+        Method::Gpu => Some(Gpu::open(Adapter::Auto)?),
+        Method::Sweep | Method::Exact => None,
+    };
+    let resources = Resources { memory: Memory::mib(args.memory), device: device.as_ref() };
+    ground::horizons(&ground.surface, &settings, args.encoding, &output, resources, &bars, finished)?;
     bars.clear();
     if args.json {
         print_line(format_args!("{:#}", Json::from(all)))?;

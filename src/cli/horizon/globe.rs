@@ -11,7 +11,7 @@ use serde_json::{Value as Json, json};
 use super::build::{in_degrees, row};
 use super::levels::{self, BodyArgs, Values};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, print_line};
+use crate::cli::{Outcome, print_line, with_flag};
 
 /// Build the horizons of a whole body, tile by tile, from a model of any size.
 ///
@@ -45,7 +45,8 @@ pub struct Args {
     /// Height of the observer above the ground, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     observer_height: f64,
-    /// How the series are stored
+    /// How skylines are stored: fm16, a Fourier pyramid of 16 coefficients; w21, a quantised one of as many bytes that errs
+    /// less; q, quantised in equal steps, for small files
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
@@ -76,7 +77,7 @@ pub fn run(args: Args) -> Outcome {
     let (body, json) = (args.body.body()?, args.json);
     let options = options(args);
     let start = std::time::Instant::now();
-    let report = globe::build(&body, &options, &bars)?;
+    let report = globe::build(&body, &options, &bars).map_err(with_flag)?;
     bars.clear();
     let seconds = start.elapsed().as_secs_f64();
     let index = &report.index;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use perilune_engine::ephemeris::{Almanac, default_kernel_folder};
+use perilune_engine::ephemeris::Almanac;
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::Request;
 use perilune_engine::horizon::header::Header;
@@ -63,7 +63,7 @@ impl From<Values> for raster::Values {
 
 impl BodyArgs {
     pub fn body(&self) -> Result<Body, Box<dyn std::error::Error>> {
-        let body = Almanac::default_kernels(&default_kernel_folder())?.body_frame(&self.body, None)?.body;
+        let body = Almanac::default_kernels()?.body_frame(&self.body, None)?.body;
         Ok(match self.radius {
             Some(radius_m) => Body { equatorial_radius_m: radius_m, polar_radius_m: radius_m, ..body },
             None => body,

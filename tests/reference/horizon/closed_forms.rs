@@ -80,7 +80,7 @@ fn a_bare_sphere_dips_below_the_horizontal() {
 /// Step of height H on a sphere: seen from the tip of its shadow at sun elevation e (at the step), R ψ away with ψ = e − acos((1 +
 /// H/R) cos e), its top stands at e − ψ above the local horizontal.
 #[test]
-fn a_step_is_seen_from_the_tip_of_its_shadow_where_the_sun_grazes_it() {
+fn a_step_is_grazed_by_the_sun_from_the_tip_of_its_shadow() {
     let map = lunar_map();
     let height_m = 1000.0;
     for (sun_deg, arc_m) in [(2.0_f64, 46_330.0), (3.0, 21_657.0), (5.0, 11_896.0), (10.0, 5_725.0)] {

@@ -80,7 +80,7 @@ fn fourier_maps_hold_the_words_of_the_paper() {
 
 /// Max (1988): elevations at fixed azimuths, linear between them.
 #[test]
-fn sampled_maps_hold_the_horizon_at_their_azimuths_and_lines_between() {
+fn sampled_maps_hold_their_azimuths_and_lines_between() {
     for encoding in [Encoding::Raw8, Encoding::Raw12, Encoding::Raw16] {
         let map = encoded(encoding);
         let count = encoding.samples();
@@ -137,7 +137,7 @@ fn more_bytes_err_less_and_water_filled_ones_least() {
 #[test]
 fn fields_fill_the_words_without_meeting_each_other() {
     for encoding in [Encoding::W11, Encoding::W16, Encoding::W21] {
-        assert_eq!(encoding.family(), Family::Fields);
+        assert_eq!(encoding.family(), Family::Quantised);
         let map = encoded(encoding);
         for (level, fields) in map.levels.iter().zip(&map.fields) {
             let mut used = vec![0_u32; level.words_per_texel];

@@ -137,7 +137,7 @@ fn nested_levels_are_exact() {
 
 /// What lies beside them is left out.
 #[test]
-fn nodes_searched_alone_have_the_skylines_that_they_have_among_all() {
+fn nodes_searched_alone_have_the_same_skylines() {
     let face = nested([101, 121, 151]);
     let (settings, nodes) = (Settings::default(), [[0, 0], [17, 40], [40, 17], [70, 70]]);
     for azimuth in [0, 45, 100, 222] {
@@ -178,7 +178,7 @@ fn the_connecting_ridge_within_the_cap_is_exact() {
 
 /// The checker fails: a bound that misses a single node's last metre lets traced elevations escape.
 #[test]
-fn an_interval_of_other_ground_does_not_hold_the_traced_elevation() {
+fn an_interval_of_other_ground_misses_the_trace() {
     let ground = cratered(128, 20.0, 4);
     let settings = Settings { azimuths: 72, ..Settings::default() };
     assert_eq!(compare(&ground, 0, &settings, 128).outside, 0);

@@ -5,8 +5,6 @@ use libm::erf;
 use perilune_engine::camera::{Camera as Optics, Pose, PosedCamera, Psf, PsfComponent, Shutter};
 use perilune_engine::geometry::{Body, Position, Rotation};
 use perilune_engine::quantity::LUNAR_RADIUS_M;
-use perilune_engine::render::passes::Passes;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Ambient, Imaging, Quantity, Renderer, Scene, Timing, View};
 
 use crate::conformance::gpu;
@@ -16,10 +14,18 @@ const FOCAL_PX: f64 = 2000.0;
 const FROM_CENTRE_M: f64 = 5e6;
 
 /// A sphere that is equally bright everywhere: a Lambert ground under an even sky. Its limb is 2000 px from the centre.
-fn even(columns: u32, rows: u32, samples_per_side: usize, quantities: Vec<Quantity>) -> Scene {
-    let scene = scenes::scene(scenes::bare(Body::moon()), scenes::pinhole(columns, rows, FOCAL_PX));
-    let ambient = Some(Ambient { radiance_w_m2_sr: 1.0, shares: Vec::new() });
-    Scene { ambient, samples_per_side, quantities, ..scene }
+fn even() -> Scene {
+    scenes::scene(scenes::bare(Body::moon())).with_ambient(Ambient { radiance_w_m2_sr: 1.0, shares: Vec::new() })
+}
+
+/// A camera that looks at it in hardly any sunlight, from a pose that others replace.
+fn camera(columns: u32, rows: u32, samples_per_side: usize, quantities: &[Quantity]) -> View {
+    let mut sun = scenes::light(DVec3::X);
+    sun.irradiance_w_m2 = 1e-9;
+    scenes::view(limb(0.0), vec![sun])
+        .with_optics(scenes::pinhole(columns, rows, FOCAL_PX))
+        .with_samples_per_side(samples_per_side)
+        .with_quantities(quantities)
 }
 
 /// Looks at the limb, which stands upright in the middle of the image, turned by an angle towards the sphere.
@@ -33,29 +39,24 @@ fn limb(turned_rad: f64) -> Pose {
     }
 }
 
-fn view(pose: &Pose) -> View {
-    let mut sun = scenes::light(DVec3::X);
-    sun.irradiance_w_m2 = 1e-9;
-    let (camera_position, camera_from_body) = (pose.position, pose.camera_from_body);
-    View { exposure: 0, camera_position, camera_from_body, lights: vec![sun] }
-}
-
 /// The named plane as each renderer makes it, with poses by time.
 fn taken(
-    scene: &Scene,
+    camera: &View,
     imaging: &Imaging,
     exposure_s: f64,
     pose: impl Fn(f64) -> Pose,
 ) -> Vec<(&'static str, Vec<Vec<f32>>)> {
     let poses: Vec<Vec<Pose>> =
         imaging.timing.times_s(exposure_s).iter().map(|times| times.iter().map(|&time| pose(time)).collect()).collect();
-    let take = |renderer: &mut dyn Renderer| {
-        let taken = imaging.take(renderer, scene, &view(&pose(0.0)), &poses).unwrap();
-        taken.image(scene, None).planes.into_iter().map(|plane| plane.values).collect()
+    let scene = even();
+    let take = |renderer: Renderer| {
+        let mut session = renderer.session(&scene).unwrap();
+        let taken = imaging.take(&mut session, &camera.from(&pose(0.0)), &poses).unwrap();
+        taken.image(&scene, None).planes.into_iter().map(|plane| plane.values).collect()
     };
-    let mut all = vec![("reference", take(&mut Reference))];
+    let mut all = vec![("reference", take(Renderer::Reference))];
     if let Some(gpu) = gpu() {
-        all.push(("pass", take(&mut Passes::new(gpu))));
+        all.push(("pass", take(Renderer::on(gpu))));
     }
     all
 }
@@ -82,10 +83,10 @@ fn edge(profile: &[f64]) -> (f64, f64) {
 #[test]
 fn the_blur_is_as_long_as_the_turn() {
     let (rate_rad_s, exposure_s) = (0.4, 12.0 / FOCAL_PX / 0.4);
-    let scene = even(64, 2, 8, vec![Quantity::Radiance, Quantity::Hit]);
+    let camera = camera(64, 2, 8, &[Quantity::Radiance, Quantity::Hit]);
     for moments in [1, 9, 31] {
         let imaging = imaging(2, Shutter::Global, moments, None);
-        for (renderer, planes) in taken(&scene, &imaging, exposure_s, |time_s| limb(rate_rad_s * time_s)) {
+        for (renderer, planes) in taken(&camera, &imaging, exposure_s, |time_s| limb(rate_rad_s * time_s)) {
             let (middle, square) = edge(&profile(&planes[0][..64]));
             let expected = 12.0 * (1.0 - 1.0 / (moments * moments) as f64) + 1.0 / 6.0;
             println!("{renderer}, {moments} moments: {:.3} px long", (12.0 * (square - 1.0 / 6.0).max(0.0)).sqrt());
@@ -102,11 +103,11 @@ fn the_blur_is_as_long_as_the_turn() {
 #[test]
 fn a_rolling_shutter_shears_an_upright_edge() {
     let (rate_rad_s, line_time_s, rows) = (0.5, 0.4 / FOCAL_PX / 0.5, 32);
-    let scene = even(64, rows, 16, vec![Quantity::Radiance]);
+    let camera = camera(64, rows, 16, &[Quantity::Radiance]);
     let sheared = |shutter: Shutter| -> Vec<(&'static str, Vec<f64>)> {
         let imaging = imaging(rows, shutter, 1, None);
         let row = |planes: &[Vec<f32>], row: usize| edge(&profile(&planes[0][64 * row..][..64])).0;
-        taken(&scene, &imaging, 0.0, |time_s| limb(rate_rad_s * time_s))
+        taken(&camera, &imaging, 0.0, |time_s| limb(rate_rad_s * time_s))
             .into_iter()
             .map(|(renderer, planes)| (renderer, (0..rows as usize).map(|r| row(&planes, r)).collect()))
             .collect()
@@ -137,9 +138,9 @@ fn a_rolling_shutter_shears_an_upright_edge() {
 fn the_limb_through_a_gaussian_is_the_error_function() {
     let sigma_px = 2.0;
     let psf = Psf::new(&[PsfComponent::Gaussian { sigma_px }], None, 8).unwrap();
-    let scene = even(48, 4, 8, vec![Quantity::Radiance, Quantity::Hit]);
+    let camera = camera(48, 4, 8, &[Quantity::Radiance, Quantity::Hit]);
     let imaging = imaging(4, Shutter::Global, 1, Some(psf));
-    for (renderer, planes) in taken(&scene, &imaging, 0.0, limb) {
+    for (renderer, planes) in taken(&camera, &imaging, 0.0, limb) {
         let (place, _) = edge(&profile(&planes[1][48..96]));
         let below = |x: f64| {
             let z = (x - place) / sigma_px;
@@ -158,10 +159,10 @@ fn the_limb_through_a_gaussian_is_the_error_function() {
 #[test]
 fn a_part_of_a_blurred_image_is_what_the_whole_has_there() {
     let psf = Psf::new(&[PsfComponent::Disc { diameter_px: 7.0 }], None, 2).unwrap();
-    let whole = even(40, 12, 2, vec![Quantity::Radiance, Quantity::Range]);
-    let part = Scene { optics: whole.optics.part([15, 3], 10, 6), ..even(40, 12, 2, whole.quantities.clone()) };
+    let whole = camera(40, 12, 2, &[Quantity::Radiance, Quantity::Range]);
+    let part = whole.clone().with_optics(whole.optics.part([15, 3], 10, 6));
     let [whole, part] = [(&whole, 12), (&part, 6)]
-        .map(|(scene, rows)| taken(scene, &imaging(rows, Shutter::Global, 3, Some(psf.clone())), 1e-3, limb));
+        .map(|(camera, rows)| taken(camera, &imaging(rows, Shutter::Global, 3, Some(psf.clone())), 1e-3, limb));
     for ((renderer, whole), (_, part)) in whole.iter().zip(&part) {
         for (whole, part) in whole.iter().zip(part) {
             for (index, got) in part.iter().enumerate() {
@@ -203,12 +204,12 @@ fn scanners_look_where_their_poses_say() {
     ];
     for (shutter, rows) in frames {
         let optics = Optics::pinhole(24, rows, optics.focal_px).unwrap();
-        let scene = Scene { optics: optics.clone(), ..even(24, rows, 1, vec![Quantity::Range, Quantity::Latitude]) };
+        let camera = camera(24, rows, 1, &[Quantity::Range, Quantity::Latitude]).with_optics(optics.clone());
         let imaging = imaging(18, shutter, 1, None);
         let poses: Vec<Pose> = imaging.timing.times_s(0.0).iter().map(|times| flight(times[0])).collect();
         let posed = PosedCamera { optics: optics.clone(), poses };
         assert_eq!(posed.rows(), 18);
-        for (renderer, planes) in taken(&scene, &imaging, 0.0, flight) {
+        for (renderer, planes) in taken(&camera, &imaging, 0.0, flight) {
             assert_eq!(planes[0].len(), 24 * 18);
             for (index, (range, latitude)) in planes[0].iter().zip(&planes[1]).enumerate() {
                 let pixel = DVec2::new((index % 24) as f64, (index / 24) as f64);

@@ -4,8 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::Body;
-use perilune_engine::render::reference::Reference;
-use perilune_engine::render::{Renderer, Scene, Shadows, View};
+use perilune_engine::render::{Renderer, Scene, Shadows};
 use perilune_engine::shadow::{Mipmaps, Multiscale};
 use perilune_engine::terrain::{Ground, Terrain};
 
@@ -20,7 +19,7 @@ fn mipmaps(runs: &[u32]) -> Shadows {
 }
 
 fn lit(terrain: &Terrain, shadows: Shadows) -> Scene {
-    Scene { shadows, ..scenes::scene(terrain.clone(), Row::optics()) }
+    scenes::scene(terrain.clone()).with_shadows(shadows)
 }
 
 /// A plateau 100 m high that ends at x = 0, over level ground. The posting is 20 m; three runs of five mips reach
@@ -163,14 +162,14 @@ fn no_hard_case_ends_in_nan() {
         let up = terrain.faces[0].map.map_from_body.inverse().turn(DVec3::Z);
         let side = up.any_orthonormal_vector();
         let suns = [up, -up, side, (side - 0.01 * up).normalize()];
-        let optics = scenes::pinhole(20, 15, scene.optics.focal_px.x / 8.0);
+        let optics = scenes::pinhole(20, 15, view.optics.focal_px.x / 8.0);
         for shadows in methods {
             // Fields are found for one light; the reference renderer finds them for every image.
             let suns = if shadows.towards().is_some() { &suns[2..] } else { &suns[..] };
-            let scene = Scene { shadows, ..scenes::scene(terrain.clone(), optics.clone()) };
+            let scene = scenes::scene(terrain.clone()).with_shadows(shadows);
             for &sun in suns {
-                let view = View { lights: vec![scenes::light(sun)], ..view.clone() };
-                let samples = Reference.samples(&scene, &view).unwrap();
+                let view = scenes::view(view.pose(), vec![scenes::light(sun)]).with_optics(optics.clone());
+                let samples = Renderer::Reference.samples(&scene, &view).unwrap();
                 for (pixel, centre) in samples.pixels.iter().zip(&samples.centres) {
                     let ground = centre.is_some_and(|hit| hit.ground != Ground::Gap);
                     let right = (0.0..=1.0).contains(&pixel.sun_fraction) && pixel.radiance_w_m2_sr >= 0.0;
@@ -194,13 +193,12 @@ fn turned(half: usize) -> f64 {
     let levels = vec![scenes::level(&map, 20.0, half, 0, &waves)];
     let terrain =
         Terrain { body: Body::moon(), faces: vec![perilune_engine::terrain::Face { map: map.clone(), levels }] };
-    let scene = Scene {
-        shadows: mipmaps(&[5, 5, 5]),
-        ..scenes::scene(terrain, scenes::pinhole(SIDE as u32, SIDE as u32, 40.0))
-    };
+    let scene = scenes::scene(terrain).with_shadows(mipmaps(&[5, 5, 5]));
+    let optics = scenes::pinhole(SIDE as u32, SIDE as u32, 40.0);
     let image = |azimuth_rad: f64| {
         let view = scenes::nadir(&map, DVec2::ZERO, 2000.0, scenes::sun(&map, azimuth_rad, 0.15));
-        Reference.samples(&scene, &view).unwrap().pixels
+        let view = view.with_optics(optics.clone());
+        Renderer::Reference.samples(&scene, &view).unwrap().pixels
     };
     let [first, second] = [0.4, 0.4 + TAU / 4.0].map(image);
     let pixels = (0..SIDE * SIDE).map(|index| (index % SIDE, index / SIDE));

@@ -38,7 +38,7 @@ fn step() -> Terrain {
 /// Reach across the edge: H cot e cos(A − A_wall). The posting is 20 m.
 #[test]
 fn the_shadow_of_a_step_ends_where_trigonometry_says() {
-    let scenes = scenes::shadowed(step(), &Row::optics());
+    let scenes = scenes::shadowed(step());
     let map = map(&flat_body());
     for (elevation_deg, turn_deg) in [(4.0f64, 0.0f64), (6.0, 0.0), (10.0, 0.0), (6.0, 40.0), (6.0, -40.0)] {
         let expected_m = 100.0 / elevation_deg.to_radians().tan() * turn_deg.to_radians().cos();
@@ -73,9 +73,9 @@ fn the_penumbra_of_a_straight_edge_is_the_share_of_the_disc() {
     let row = Row { west_m: 1700.0, east_m: 2150.0 };
     let map = map(&flat_body());
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, elevation_rad));
-    for scene in scenes::shadowed(step(), &Row::optics()) {
-        let scene = Scene { disk: scenes::disk(0.507909), ..scene };
-        let bound = if matches!(scene.shadows, Shadows::Traced(_)) { 2e-3 } else { 0.06 };
+    for scene in scenes::shadowed(step()) {
+        let scene = scene.with_disk(scenes::disk(0.507909));
+        let bound = if matches!(*scene.shadows, Shadows::Traced(_)) { 2e-3 } else { 0.06 };
         for (renderer, samples) in scenes::samples(&scene, &view) {
             let fractions = row.fractions(&samples);
             for (height, expected) in table {
@@ -97,13 +97,11 @@ fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
     let row = Row { west_m: 1700.0, east_m: 2370.0 };
     let map = map(&flat_body());
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
-    let scene = |shadows: Shadows, refine: Option<Settings>| {
-        let quantities = vec![Quantity::SunFractionSigma];
-        Scene { shadows, refine, quantities, ..scenes::scene(step(), Row::optics()) }
-    };
-    let traced = scene(Shadows::Traced(Settings::default()), None);
+    let view = view.with_quantities([Quantity::SunFractionSigma]);
+    let scene = |shadows: Shadows| scenes::scene(step()).with_shadows(shadows);
+    let traced = scene(Shadows::Traced(Settings::default()));
     let truth = &scenes::samples(&traced, &view)[0].1;
-    let maps = scene(scenes::fourier(&step()), None);
+    let maps = scene(scenes::fourier(&step()));
     let sigma = |scene: &Scene, samples: &_| planes::image(scene, &view, samples).planes[0].values.clone();
     assert!(sigma(&traced, truth).iter().all(|sigma| *sigma == 0.0));
     let rms = |samples: &planes::Samples| {
@@ -115,13 +113,13 @@ fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
     let uncertain = sigma(&maps, &scenes::samples(&maps, &view)[0].1);
     let (lit, penumbra) = (uncertain[399], uncertain.iter().copied().fold(0.0, f32::max));
     assert!(lit == 0.0 && penumbra > 0.001, "{lit} {penumbra}");
-    let refined = Scene { refine: Some(Settings::default()), ..maps };
+    let refined = maps.with_refinement(Settings::default());
     for ((name, samples), unrefined) in scenes::samples(&refined, &view).iter().zip(unrefined) {
         println!("{name}: RMS {unrefined} of the disc, refined {}", rms(samples));
         assert!(rms(samples) < 0.1 * unrefined, "{name}: {} {unrefined}", rms(samples));
         assert!(sigma(&refined, samples).iter().all(|sigma| *sigma < 1e-6));
     }
-    let swept = scene(scenes::towards().into_iter().next().unwrap(), None);
+    let swept = scene(scenes::towards().into_iter().next().unwrap());
     assert!(sigma(&swept, truth).iter().all(|sigma| sigma.is_nan()));
 }
 
@@ -131,7 +129,7 @@ fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
 #[test]
 fn the_tip_of_a_cones_shadow_lies_at_height_times_cotangent() {
     let terrain = Grid::square(800.0, 10.0).terrain(&flat_body(), |at| (200.0 * (1.0 - at.length() / 400.0)).max(0.0));
-    let scenes = scenes::shadowed(terrain, &Row::optics());
+    let scenes = scenes::shadowed(terrain);
     let map = map(&flat_body());
     let elevation_rad = 20f64.to_radians();
     let expected_m = 200.0 / elevation_rad.tan();
@@ -154,7 +152,7 @@ fn the_shadow_in_a_bowl_is_its_mirrored_rim() {
         let inside = radius_m * radius_m - at.length_squared();
         if at.length() < rim_m { radius_m - depth_m - inside.sqrt() } else { 0.0 }
     };
-    let scenes = scenes::shadowed(Grid::square(1200.0, 20.0).terrain(&flat_body(), bowl), &Row::optics());
+    let scenes = scenes::shadowed(Grid::square(1200.0, 20.0).terrain(&flat_body(), bowl));
     let map = map(&flat_body());
     for elevation_deg in [5.0f64, 10.0, 20.0, 30.0] {
         let x_m = radius_m * (2.0 * elevation_deg.to_radians() - beta_rad).sin();
@@ -180,7 +178,7 @@ fn the_shadow_in_a_bowl_is_its_mirrored_rim() {
 fn a_kilometre_high_step_shades_46_km_of_the_moon() {
     let grid = Grid { west_m: -4000.0, south_m: -150_000.0, columns: 121, rows: 601, posting_m: 500.0 };
     let terrain = grid.terrain(&Body::moon(), |at_m| if at_m.x <= 0.0 { 1000.0 } else { 0.0 });
-    let scenes = scenes::shadowed(terrain, &Row::optics());
+    let scenes = scenes::shadowed(terrain);
     let map = map(&Body::moon());
     for (elevation_deg, expected_m) in [(2.0f64, 46_330.0), (3.0, 21_657.0), (5.0, 11_896.0)] {
         let sun = scenes::sun(&map, WEST_RAD, elevation_deg.to_radians());
@@ -200,7 +198,7 @@ fn a_kilometre_high_step_shades_46_km_of_the_moon() {
 #[test]
 fn ridges_shade_each_other_from_graze_to_landing() {
     let ridges = |at: DVec2| 100.0 * (TAU * at.x / 2000.0).sin();
-    let scenes = scenes::shadowed(Grid::square(3000.0, 25.0).terrain(&flat_body(), ridges), &Row::optics());
+    let scenes = scenes::shadowed(Grid::square(3000.0, 25.0).terrain(&flat_body(), ridges));
     let map = map(&flat_body());
     for (elevation_deg, begins_m, ends_m) in [(5.0f64, 589.832, 1931.544), (10.0, 689.686, 1657.863)] {
         let sun = scenes::sun(&map, WEST_RAD, elevation_deg.to_radians());
@@ -221,11 +219,12 @@ fn a_constant_slope_shades_itself_at_once_or_not_at_all() {
     let terrain = Grid::square(1000.0, 20.0).terrain(&flat_body(), |at_m| slope * at_m.x);
     let normal = glam::DVec3::new(-slope, 0.0, 1.0).normalize();
     let map = map(&flat_body());
-    for scene in scenes::shadowed(terrain, &scenes::pinhole(12, 12, 24.0)) {
+    for scene in scenes::shadowed(terrain) {
         for azimuth_deg in (0..360).step_by(45) {
             for elevation_deg in [0.5f64, 2.0, 5.0, 9.0, 9.6, 10.4, 11.0, 20.0, 60.0] {
                 let (azimuth_rad, elevation_rad) = (f64::from(azimuth_deg).to_radians(), elevation_deg.to_radians());
                 let view = scenes::nadir(&map, DVec2::ZERO, 1500.0, scenes::sun(&map, azimuth_rad, elevation_rad));
+                let view = view.with_optics(scenes::pinhole(12, 12, 24.0));
                 let sun = map.map_from_body.turn(view.lights[0].position.vector_m()).normalize();
                 let above_radii = normal.dot(sun).asin() / SOLAR_RADIUS_RAD;
                 let expected = match above_radii {
@@ -260,14 +259,15 @@ fn an_l_shaped_wall_casts_its_shadow_the_right_way_round() {
     let towards = DVec2::new(azimuth_rad.sin(), azimuth_rad.cos());
     // 600 m across, from 6 km: relief moves the wall's top by less than a pixel.
     let focal_px = PIXELS as f64 * 6000.0 / 600.0;
-    let view = scenes::nadir(&map, DVec2::ZERO, 6000.0, scenes::sun(&map, azimuth_rad, elevation_rad));
+    let view = scenes::nadir(&map, DVec2::ZERO, 6000.0, scenes::sun(&map, azimuth_rad, elevation_rad))
+        .with_optics(scenes::pinhole(PIXELS as u32, PIXELS as u32, focal_px));
     let shaded = |column: usize, row: usize| {
         let middle = (PIXELS as f64 - 1.0) / 2.0;
         let p = 10.0 * DVec2::new(column as f64 - middle, middle - row as f64);
         let reach_m = 80.0 / elevation_rad.tan();
         !inside(p) && (0..1000).any(|i| inside(p + towards * (reach_m * f64::from(i) / 1000.0)))
     };
-    for scene in scenes::shadowed(terrain, &scenes::pinhole(PIXELS as u32, PIXELS as u32, focal_px)) {
+    for scene in scenes::shadowed(terrain) {
         for (renderer, samples) in scenes::samples(&scene, &view) {
             let agreement = |turn: usize| {
                 let alike = |index: usize| {
@@ -302,16 +302,16 @@ fn a_hole_in_the_dem_shades_nothing_far_away() {
         (level.gap[index], level.heights_m[index]) = (true, 5000.0);
     }
     let map = map(&flat_body());
-    let optics = scenes::pinhole(16, 16, 32.0);
     let view = scenes::nadir(&map, DVec2::ZERO, 300.0, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
-    let pairs = scenes::shadowed(whole, &optics).into_iter().zip(scenes::shadowed(holed, &optics));
+    let view = view.with_optics(scenes::pinhole(16, 16, 32.0));
+    let pairs = scenes::shadowed(whole).into_iter().zip(scenes::shadowed(holed));
     for (whole, holed) in pairs {
         let pairs = scenes::samples(&whole, &view).into_iter().zip(scenes::samples(&holed, &view));
         for ((renderer, a), (_, b)) in pairs {
             assert!(a.pixels.iter().any(|pixel| pixel.sun_fraction > 0.1), "a scene with light");
             for (p, q) in a.pixels.iter().zip(&b.pixels) {
                 // Series truncate a hill's absence differently: 2e-4 rad here.
-                let bound = if matches!(whole.shadows, Shadows::Traced(_)) { 1e-6 } else { 0.05 };
+                let bound = if matches!(*whole.shadows, Shadows::Traced(_)) { 1e-6 } else { 0.05 };
                 assert!((p.sun_fraction - q.sun_fraction).abs() < bound, "{}", scenes::name(&whole, renderer));
             }
         }

@@ -23,11 +23,12 @@ fn the_limb_stands_at_the_dip() {
     for (height_m, focal_px) in [(1e5, 15.0), (5e6, 150.0)] {
         let dip_rad = (LUNAR_RADIUS_M / (LUNAR_RADIUS_M + height_m)).acos();
         let radius_px = focal_px / dip_rad.tan();
-        let mut scene = scenes::scene(scenes::bare(Body::moon()), scenes::pinhole(101, 1, focal_px));
-        scene.samples_per_side = 128;
-        scene.quantities.clear();
+        let scene = scenes::scene(scenes::bare(Body::moon()));
         let camera_m = (LUNAR_RADIUS_M + height_m) * DVec3::new(0.6, -0.48, 0.64);
-        let view = scenes::towards_centre(camera_m, vec![scenes::light(DVec3::X)]);
+        let view = scenes::towards_centre(camera_m, vec![scenes::light(DVec3::X)])
+            .with_optics(scenes::pinhole(101, 1, focal_px))
+            .with_samples_per_side(128)
+            .with_quantities([]);
         for (renderer, samples) in scenes::samples(&scene, &view) {
             let covered_px: f64 = samples.pixels.iter().map(|pixel| f64::from(pixel.hit)).sum();
             let error_px = (covered_px - strip(radius_px)) / 2.0;
@@ -42,7 +43,8 @@ fn irradiance_w_m2(scene: &Scene, sine_of_elevation: f64) -> Vec<(&'static str, 
     let up = DVec3::new(0.36, 0.48, -0.8);
     let level = up.any_orthonormal_vector();
     let sun = sine_of_elevation * up + (1.0 - sine_of_elevation * sine_of_elevation).sqrt() * level;
-    let view = scenes::towards_centre((LUNAR_RADIUS_M + 1e4) * up, vec![scenes::light(sun)]);
+    let view = scenes::towards_centre((LUNAR_RADIUS_M + 1e4) * up, vec![scenes::light(sun)])
+        .with_optics(scenes::pinhole(1, 1, 10.0));
     let all = scenes::samples(scene, &view);
     all.iter().map(|(renderer, samples)| (*renderer, f64::from(samples.pixels[0].irradiance_w_m2))).collect()
 }
@@ -54,8 +56,7 @@ fn the_terminator_fades_as_the_disc_sets() {
     let table = [(-0.5, 0.25369, 0.20765), (0.0, 1.34312, 1.25653), (0.5, 3.41834, 3.37230), (1.0, 6.32930, 6.32930)];
     for (radii, uniform_w_m2, darkened_w_m2) in table {
         for (alpha, expected_w_m2) in [(0.0, uniform_w_m2), (0.507909, darkened_w_m2)] {
-            let scene = scenes::scene(scenes::bare(Body::moon()), scenes::pinhole(1, 1, 10.0));
-            let scene = Scene { disk: scenes::disk(alpha), ..scene };
+            let scene = scenes::scene(scenes::bare(Body::moon())).with_disk(scenes::disk(alpha));
             for (renderer, got_w_m2) in irradiance_w_m2(&scene, radii * SOLAR_RADIUS_RAD) {
                 let bound_w_m2 = if renderer == "reference" { 2e-5 } else { 5e-4 };
                 let error_w_m2 = (got_w_m2 - expected_w_m2).abs();
@@ -69,7 +70,7 @@ fn the_terminator_fades_as_the_disc_sets() {
 /// 2 ∫ E d(sin e) = E_n (1 + 4.8e-6).
 #[test]
 fn a_sphere_catches_the_light_of_its_cross_section() {
-    let scene = scenes::scene(scenes::bare(Body::moon()), scenes::pinhole(1, 1, 10.0));
+    let scene = scenes::scene(scenes::bare(Body::moon()));
     let rule = gauss_legendre(24);
     let renderers = irradiance_w_m2(&scene, 0.5).len();
     for index in 0..renderers {
@@ -83,10 +84,10 @@ fn a_sphere_catches_the_light_of_its_cross_section() {
 
 /// Radiance times solid angle over the image, in units of E_n R²/D²: the disc-integrated I/F times π.
 fn light_of_disc(scene: &Scene, view: &View) -> Vec<(&'static str, f64)> {
-    let columns = scene.optics.columns as usize;
+    let columns = view.optics.columns as usize;
     let distance = view.camera_position.vector_m().length() / LUNAR_RADIUS_M;
     let of_pixel =
-        |index: usize| scene.optics.solid_angle_sr(DVec2::new((index % columns) as f64, (index / columns) as f64));
+        |index: usize| view.optics.solid_angle_sr(DVec2::new((index % columns) as f64, (index / columns) as f64));
     let all = scenes::samples(scene, view);
     let sum = |samples: &perilune_engine::render::Samples| -> f64 {
         (0..)
@@ -157,11 +158,14 @@ fn the_whole_disc_shines_as_its_phase_integral_says() {
                 let (pixels, far) = (96u32, distance > 100.0);
                 // The outermost samples fall onto the limb; rows that just miss it would cost 7e-4.
                 let focal_px = 0.4705 * f64::from(pixels) * (distance * distance - 1.0f64).sqrt();
-                let scene = scenes::scene(scenes::bare(Body::moon()), scenes::pinhole(pixels, pixels, focal_px));
-                let scene = Scene { reflectance: law, samples_per_side: 6, quantities: Vec::new(), ..scene };
+                let scene = scenes::scene(scenes::bare(Body::moon()));
                 let towards = DVec3::new(0.48, 0.6, 0.64);
                 let sun = phase_rad.cos() * towards + phase_rad.sin() * towards.any_orthonormal_vector();
-                let view = scenes::towards_centre(distance * LUNAR_RADIUS_M * towards, vec![scenes::light(sun)]);
+                let view = scenes::towards_centre(distance * LUNAR_RADIUS_M * towards, vec![scenes::light(sun)])
+                    .with_optics(scenes::pinhole(pixels, pixels, focal_px))
+                    .with_reflectance(law)
+                    .with_samples_per_side(6)
+                    .with_quantities([]);
                 let expected = match far {
                     true => disc_integrated(law, phase_rad),
                     false => disc_integrated_from(law, phase_rad, distance),

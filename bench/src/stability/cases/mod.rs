@@ -13,7 +13,6 @@ use super::Case;
 use super::case::Judge;
 use super::scenes::{Row, scene};
 use perilune_engine::geometry::Body;
-use perilune_engine::render::reference::Reference;
 use perilune_engine::render::{Light, Renderer, Samples, Scene, Shadows, View};
 use perilune_engine::terrain::Terrain;
 
@@ -72,7 +71,7 @@ fn passage_case(
         name,
         error_of: "place of the shadow's edge in m",
         limit: limit_m,
-        scene: scene(terrain, Row::optics()),
+        scene: scene(terrain),
         views,
         reach_m,
         soft: false,
@@ -93,9 +92,9 @@ fn shares(expected: impl Fn(usize, glam::DVec2) -> Option<f64> + 'static) -> Jud
 
 /// The mean error of the share of the disc against a traced image of the only view.
 fn against_traced(scene: &mut Scene, view: &View) -> Judge {
-    scene.shadows = Shadows::Traced(Default::default());
+    *scene = scene.clone().with_shadows(Shadows::Traced(Default::default()));
     // Small terrain, a law and a camera in their domains: the reference renders it.
-    let truth = Reference.samples(scene, view).map(|image| image.pixels).unwrap_or_default();
+    let truth = Renderer::Reference.samples(scene, view).map(|image| image.pixels).unwrap_or_default();
     Box::new(move |images: &[Samples]| {
         let differences =
             images[0].pixels.iter().zip(&truth).map(|(a, b)| f64::from((a.sun_fraction - b.sun_fraction).abs()));

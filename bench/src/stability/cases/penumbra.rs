@@ -37,7 +37,7 @@ fn tangent() -> Case {
         name: "Sun tangent to an edge",
         error_of: "share of the disc",
         limit: 0.05,
-        scene: scene(plateau(), Row::optics()),
+        scene: scene(plateau()),
         views: vec![row.view(&map, sun(&map, WEST_RAD, elevation_rad))],
         reach_m: 2150.0,
         soft: true,
@@ -56,7 +56,8 @@ fn product() -> Case {
     const HEIGHTS: [f64; 4] = [-0.5, 0.0, 0.5, 0.9];
     let terrain = Grid::square(500.0, 10.0).terrain(&flat_body(), |_| 0.0);
     let map = map(&flat_body());
-    let views = HEIGHTS.map(|x| nadir(&map, DVec2::ZERO, 200.0, sun(&map, 1.0, x * SOLAR_RADIUS_RAD)));
+    let at = |x: f64| nadir(&map, DVec2::ZERO, 200.0, sun(&map, 1.0, x * SOLAR_RADIUS_RAD));
+    let views = HEIGHTS.map(|x| at(x).with_optics(pinhole(8, 8, 16.0)));
     let expected = |x: f64| {
         let root = (1.0 - x * x).sqrt();
         SOLAR_RADIUS_RAD * (x * ((-x).acos() + x * root) / PI + 2.0 * root.powi(3) / (3.0 * PI))
@@ -66,7 +67,7 @@ fn product() -> Case {
         name: "Sun cut by level ground's own horizon",
         error_of: "irradiance, relative",
         limit: 0.02,
-        scene: scene(terrain, pinhole(8, 8, 16.0)),
+        scene: scene(terrain),
         views: views.into(),
         reach_m: 0.0,
         soft: true,
@@ -90,8 +91,7 @@ fn product() -> Case {
 fn darkened() -> Case {
     let (map, elevation_rad) = (map(&flat_body()), 3f64.to_radians());
     let row = Row { west_m: 1700.0, east_m: 2150.0 };
-    let mut scene = scene(plateau(), Row::optics());
-    scene.disk = disk(1.0);
+    let scene = scene(plateau()).with_disk(disk(1.0));
     Case {
         number: 6,
         name: "penumbra of a darkened disc",
@@ -130,7 +130,7 @@ fn large() -> Case {
         name: "light of 20° radius over an edge",
         error_of: "share of the disc",
         limit: 0.05,
-        scene: scene(plateau(), Row::optics()),
+        scene: scene(plateau()),
         views: vec![row.view(&map, Light { angular_radius_rad: RADIUS_RAD, ..sun(&map, WEST_RAD, elevation_rad) })],
         reach_m: 260.0,
         soft: true,
@@ -172,8 +172,11 @@ fn slope() -> Case {
         name: "acne on a constant slope",
         error_of: "share of the disc",
         limit: 1e-3,
-        scene: scene(terrain, pinhole(12, 12, 24.0)),
-        views: suns.into_iter().map(|light| nadir(&map, DVec2::ZERO, 1500.0, light)).collect(),
+        scene: scene(terrain),
+        views: suns
+            .into_iter()
+            .map(|light| nadir(&map, DVec2::ZERO, 1500.0, light).with_optics(pinhole(12, 12, 24.0)))
+            .collect(),
         reach_m: 0.0,
         soft: false,
         error: shares(move |view, _| match radii[view] {

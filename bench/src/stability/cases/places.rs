@@ -29,8 +29,10 @@ fn hole() -> Case {
         name: "hole in a plain, Sun 2° high behind it",
         error_of: "share of the disc",
         limit: 1e-3,
-        scene: scene(terrain, pinhole(24, 24, 24.0)),
-        views: vec![nadir(&map, DVec2::ZERO, 700.0, sun(&map, WEST_RAD, 2f64.to_radians()))],
+        scene: scene(terrain),
+        views: vec![
+            nadir(&map, DVec2::ZERO, 700.0, sun(&map, WEST_RAD, 2f64.to_radians())).with_optics(pinhole(24, 24, 24.0)),
+        ],
         reach_m: 200.0,
         soft: false,
         error: shares(|_, _| Some(1.0)),
@@ -62,14 +64,15 @@ fn pole() -> Case {
     };
     let levels = vec![level(&map, 20.0, 60, 0, &waves)];
     let terrain = Terrain { body: moon(), faces: vec![Face { map: map.clone(), levels }] };
-    let views =
-        [0.4, 0.4 + TAU / 4.0].map(|azimuth_rad| nadir(&map, DVec2::ZERO, 2000.0, sun(&map, azimuth_rad, 0.15)));
+    let optics = pinhole(SIDE as u32, SIDE as u32, 40.0);
+    let view = |azimuth_rad: f64| nadir(&map, DVec2::ZERO, 2000.0, sun(&map, azimuth_rad, 0.15));
+    let views = [0.4, 0.4 + TAU / 4.0].map(|azimuth_rad| view(azimuth_rad).with_optics(optics.clone()));
     Case {
         number: 17,
         name: "pole, Sun a quarter turn on",
         error_of: "mean share of the disc between two images",
         limit: 1e-3,
-        scene: scene(terrain, pinhole(SIDE as u32, SIDE as u32, 40.0)),
+        scene: scene(terrain),
         views: views.into(),
         reach_m: 530.0,
         soft: false,
@@ -91,8 +94,8 @@ fn seam() -> Case {
     let up = (a + if a.dot(b).abs() < 0.5 { b } else { a.any_orthonormal_vector() }).normalize();
     let (sin, cos) = 2f64.to_radians().sin_cos();
     let along = (b - a).normalize();
-    let view = towards_centre(2_700_000.0 * up, vec![light(cos * along + sin * up)]);
-    let mut scene = scene(terrain, pinhole(32, 32, 60.0));
+    let view = towards_centre(2_700_000.0 * up, vec![light(cos * along + sin * up)]).with_optics(pinhole(32, 32, 60.0));
+    let mut scene = scene(terrain);
     let error = against_traced(&mut scene, &view);
     Case {
         number: 16,
@@ -112,13 +115,15 @@ fn symmetric() -> Case {
     const SIDE: usize = 32;
     let map = map(&flat_body());
     let hill = |at: DVec2| 150.0 * (-at.length_squared() / (2.0 * 150.0 * 150.0)).exp();
-    let views = [0.7, 0.7 + TAU / 2.0].map(|azimuth_rad| nadir(&map, DVec2::ZERO, 1600.0, sun(&map, azimuth_rad, 0.2)));
+    let optics = pinhole(SIDE as u32, SIDE as u32, 36.0);
+    let view = |azimuth_rad: f64| nadir(&map, DVec2::ZERO, 1600.0, sun(&map, azimuth_rad, 0.2));
+    let views = [0.7, 0.7 + TAU / 2.0].map(|azimuth_rad| view(azimuth_rad).with_optics(optics.clone()));
     Case {
         number: 25,
         name: "round hill, Sun half a turn on",
         error_of: "mean share of the disc between two images",
         limit: 1e-3,
-        scene: scene(Grid::square(900.0, 20.0).terrain(&flat_body(), hill), pinhole(SIDE as u32, SIDE as u32, 36.0)),
+        scene: scene(Grid::square(900.0, 20.0).terrain(&flat_body(), hill)),
         views: views.into(),
         reach_m: 800.0,
         soft: false,
@@ -142,8 +147,11 @@ fn handed() -> Case {
         name: "handedness of a tower's shadow",
         error_of: "share of the disc",
         limit: 0.05,
-        scene: scene(Grid::square(400.0, 10.0).terrain(&flat_body(), tower), pinhole(64, 64, 96.0)),
-        views: vec![nadir(&map, DVec2::ZERO, 450.0, sun(&map, 30f64.to_radians(), 30f64.to_radians()))],
+        scene: scene(Grid::square(400.0, 10.0).terrain(&flat_body(), tower)),
+        views: vec![
+            nadir(&map, DVec2::ZERO, 450.0, sun(&map, 30f64.to_radians(), 30f64.to_radians()))
+                .with_optics(pinhole(64, 64, 96.0)),
+        ],
         reach_m: 173.0,
         soft: false,
         error: shares(move |_, at_m| {

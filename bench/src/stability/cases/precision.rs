@@ -29,7 +29,8 @@ fn descent() -> Case {
     let (map, elevation_rad) = (map(&moon()), 3f64.to_radians());
     let place = DVec2::new(STEP_M / elevation_rad.tan(), 0.0);
     let views = [50_000.0, 5000.0, 500.0, 50.0]
-        .map(|height_m| nadir(&map, place, height_m, sun(&map, WEST_RAD, elevation_rad)));
+        .map(|height_m| nadir(&map, place, height_m, sun(&map, WEST_RAD, elevation_rad)))
+        .map(|view| view.with_optics(pinhole(4, 4, 5000.0)));
     // Above a point the step rises by atan(H/x); on the way there the Moon falls away by half the angle between them.
     let above_rad = move |x_m: f64| (STEP_M / x_m).atan() - 0.5 * x_m / 1_737_400.0;
     Case {
@@ -37,7 +38,7 @@ fn descent() -> Case {
         name: "penumbra from 50 km to 50 m",
         error_of: "share of the disc",
         limit: 0.05,
-        scene: scene(grid.terrain(&moon(), step(STEP_M)), pinhole(4, 4, 5000.0)),
+        scene: scene(grid.terrain(&moon(), step(STEP_M))),
         views: views.into(),
         reach_m: 2000.0,
         soft: true,

@@ -65,8 +65,8 @@ fn ringing() -> Case {
         name: "ringing beside a box, Sun 1.5° high",
         error_of: "share of the disc",
         limit: 0.01,
-        scene: scene(terrain, pinhole(8, 8, 16.0)),
-        views: AZIMUTHS_DEG.map(view).into(),
+        scene: scene(terrain),
+        views: AZIMUTHS_DEG.map(|azimuth_deg| view(azimuth_deg).with_optics(pinhole(8, 8, 16.0))).into(),
         reach_m: 800.0,
         soft: false,
         error: shares(|view, _| Some(f64::from(AZIMUTHS_DEG[view].abs() > 28.6))),
@@ -80,8 +80,9 @@ fn needles() -> Case {
         if to_next.length() < 1.0 { 80.0 } else { 0.0 }
     };
     let map = map(&flat_body());
-    let view = nadir(&map, DVec2::new(7.0, -3.0), 1000.0, sun(&map, 0.577, 10f64.to_radians()));
-    let mut scene = scene(Grid::square(600.0, 20.0).terrain(&flat_body(), needle), pinhole(48, 48, 60.0));
+    let view = nadir(&map, DVec2::new(7.0, -3.0), 1000.0, sun(&map, 0.577, 10f64.to_radians()))
+        .with_optics(pinhole(48, 48, 60.0));
+    let mut scene = scene(Grid::square(600.0, 20.0).terrain(&flat_body(), needle));
     let error = against_traced(&mut scene, &view);
     Case {
         number: 19,

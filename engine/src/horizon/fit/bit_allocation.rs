@@ -17,19 +17,7 @@
 //!
 //! The mean square over azimuths weighs `a₀` by 1 and all others by 1/2.
 //!
-//! What limits it, in fractions of `fm16`'s pixel error rate under Suns at 1.5° to 15° (`sim bench encodings` has the seven
-//! scenes), patches of 96² nodes, beside exact series at full resolution (numerical experiment):
-//!
-//! | scene | 31 harmonics | 47 | 63 | `w21` without gains and companding | companded | with both |
-//! |---|---|---|---|---|---|---|
-//! | cratered | 0.24 | 0.12 | 0.07 | 0.30 | 0.32 | 0.29 |
-//! | blocks | 0.45 | 0.31 | 0.24 | 0.58 | 0.50 | 0.47 |
-//! | needles of one node | 0.79 | 0.69 | 0.60 | 0.84 | 0.77 | 0.75 |
-//! | connecting ridge | 0.11 | 0.07 | 0.04 | 0.30 | 0.30 | 0.27 |
-//!
-//! Bits are what is missing but on needles: they are narrower than the waves. In their penumbras 63 exact harmonics have
-//! 0.98 of `fm16`'s error and 170 have 0.74. Code books of Lloyd and Max's in place of equal steps, one for each
-//! coefficient, gained nothing; gains of three bits gained less than of two.
+//! Bits are what is missing, not harmonics, but on needles of one node: `docs/experiments/horizon_bit_allocation.md`.
 //!
 //! # References
 //! Cover & Thomas (2006), *Elements of Information Theory*, 10.3.3.
@@ -43,7 +31,7 @@ use super::residual::{Means, Residual, box_means, sharpened};
 use super::texels::{Choice, quantise};
 use crate::horizon::pack::bit_fields::gain as factor;
 use crate::horizon::pack::encoding::GAIN_BITS;
-use crate::horizon::pack::{BitField, Encoding, Page, Texels};
+use crate::horizon::pack::{BitField, Encoding, PageLayout, Texels};
 
 /// Counts changes of what is chosen here: part of a tile's key.
 pub const REVISION: u8 = 5;
@@ -60,7 +48,7 @@ const LEAST_WEIGHT: f64 = 1e-3;
 pub fn pyramid(encoding: Encoding, sums: &Means) -> (Vec<Texels>, Vec<Vec<BitField>>) {
     let pages = encoding.pages();
     let reals = sums.iter().map(|group| group.reals).sum();
-    let coarse = |page: &Page| sums.iter().map(|group| sharpened(&box_means(group, page.scale))).collect();
+    let coarse = |page: &PageLayout| sums.iter().map(|group| sharpened(&box_means(group, page.scale))).collect();
     let coarse: Vec<Vec<Group>> = pages[1..].iter().map(coarse).collect();
     let means = |page: usize| if page == 0 { sums } else { &coarse[page - 1] };
     let mut weights = vec![base_weights(reals); pages.len()];
@@ -208,7 +196,7 @@ mod tests {
         let (levels, fields) = pyramid(Encoding::W21, std::slice::from_ref(&group));
         let pages = Encoding::W21.pages();
         let decoded = |real: usize, column: usize, row: usize| {
-            let page = |((level, page), fields): ((&Texels, &Page), &Vec<BitField>)| {
+            let page = |((level, page), fields): ((&Texels, &PageLayout), &Vec<BitField>)| {
                 let Some(field) = fields.iter().find(|field| field.real == real) else { return 0.0 };
                 let value = |column: usize, row: usize| {
                     let texel = level.texel(column, row);

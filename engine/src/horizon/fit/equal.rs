@@ -11,9 +11,7 @@
 //! there is for a mean square error (reverse water-filling: every coefficient errs by the same `step²/12`, and those that
 //! are below it cost nothing); the mean square over azimuths weighs `a₀` by 1 and all others by 1/2. Where ground is smooth
 //! the finest codes vanish and the coarser pages' errors remain: three quarters of their numbers are those of the next
-//! page, so that half steps cost little there. On 96² nodes of cratered highland and of the connecting ridge, in bytes of
-//! deflate a node at one RMS error (numerical experiment): differences of neighbours at full resolution 7.6 and 8.2, the
-//! pyramid with equal steps 6.2 and 7.5, with half steps on coarse pages 5.4 and 7.0.
+//! page, so that half steps cost little there. Other ways of storing them were tried: `docs/experiments/horizon_files.md`.
 //!
 //! Fields have as many bits as their largest code needs, so that nothing is clipped. Where all of them do not fit into a
 //! texel, the page's steps grow by octaves' eighths until they do.
@@ -32,9 +30,9 @@ use super::residual::{Means, Residual, box_means};
 use super::texels::{Choice, quantise};
 use crate::horizon::pack::{BitField, Encoding, Texels};
 
-/// Of all coefficients but the mean on the finest page: 0.11°. Skylines err about as those of `fm16`.
+/// Step of all coefficients but the mean on the finest page: 0.11°. Skylines err about as those of `fm16`.
 const STEP_RAD: f32 = 1.9e-3;
-/// Values are moved towards 0 by up to this fraction of a step before they are rounded: 6 % fewer bytes at 1 to 3 % more error.
+/// Values are moved towards 0 by up to this fraction of a step before they are rounded: fewer bytes at little more error.
 const DEAD: f32 = 0.1;
 /// Steps of coarser pages, in steps of the finest.
 const COARSE_STEP: f32 = 0.5;
@@ -127,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coefficient_errs_by_more_than_half_a_step_and_the_dead_zone() {
+    fn coefficients_err_by_half_a_step_and_the_dead_zone_at_most() {
         for (size_rad, largest_step_rad) in [(0.3, STEP_RAD), (30.0, 64.0 * STEP_RAD)] {
             let group = group(size_rad);
             let (levels, fields) = pyramid(Encoding::Q, std::slice::from_ref(&group));

@@ -66,7 +66,7 @@ pub struct Residual<'a> {
 }
 
 impl Residual<'_> {
-    /// Some coefficients over a row of texels.
+    /// Chosen coefficients over a row of texels.
     pub fn lines(&self, row: usize, reals: impl Iterator<Item = usize>) -> Vec<Vec<f32>> {
         let line = |real: usize| {
             let mut line = vec![0.0; self.means[0].columns];

@@ -22,7 +22,7 @@ pub enum Sums {
 #[derive(Debug, Clone)]
 pub struct Stored {
     pub file: Arc<Mutex<File>>,
-    /// Of the first one, in bytes.
+    /// Where the first sum lies, in bytes.
     pub start: u64,
 }
 
@@ -34,7 +34,7 @@ impl Sums {
         }
     }
 
-    /// Some of them in turn.
+    /// Reads sums in turn, from index `first` on.
     pub fn read(&self, first: usize, sums: &mut [f32]) -> io::Result<()> {
         match self {
             Self::Memory(all) => sums.copy_from_slice(&all[first..first + sums.len()]),
@@ -48,7 +48,7 @@ impl Sums {
         Ok(())
     }
 
-    /// Some of them in turn, borrowed where they are in memory.
+    /// Sums in turn from index `first` on, borrowed where they are in memory.
     pub fn at(&self, first: usize, length: usize) -> Cow<'_, [f32]> {
         match self {
             Self::Memory(all) => Cow::Borrowed(&all[first..first + length]),

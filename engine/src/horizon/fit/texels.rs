@@ -7,7 +7,7 @@ use super::group::Group;
 use super::residual::Residual;
 use super::sums::Sums;
 use crate::horizon::pack::bit_fields::{gain as factor, put_gain};
-use crate::horizon::pack::{BitField, Page, Texels};
+use crate::horizon::pack::{BitField, PageLayout, Texels};
 
 /// What is chosen texel by texel.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +22,7 @@ pub enum Choice<'a> {
 pub fn quantise(
     residual: &Residual,
     fields: &[BitField],
-    page: Page,
+    page: PageLayout,
     choice: Choice,
     decode: bool,
 ) -> (Texels, Option<Group>) {

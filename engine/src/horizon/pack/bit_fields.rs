@@ -47,7 +47,7 @@ pub fn put_gain(words: &mut [u32], code: u32) {
     words[0] |= code & (GAINS as u32 - 1);
 }
 
-/// Some bits of every texel of a page.
+/// A field of bits that every texel of a page has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BitField {
     /// `2k` for `aₖ`, `2k + 1` for `bₖ`.

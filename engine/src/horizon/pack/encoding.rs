@@ -7,38 +7,54 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How horizons are stored. Bytes are per pixel.
+///
+/// Three families: Fourier series of half floats, sampled azimuths, quantised pyramids. Of each a user needs one or none
+/// ([`Encoding::SHIPPED`]); the others are what papers and benches compare with, and what old tiles hold.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Encoding {
     /// 4 complex coefficients as half floats (Fritsch 2025): 16 bytes.
+    #[schemars(skip)]
     Fm4,
-    /// 8, four of them at half the resolution: 20 bytes.
+    /// 8 coefficients, four of them at half the resolution: 20 bytes.
+    #[schemars(skip)]
     Fm8,
-    /// 12, four more at a quarter: 21 bytes.
+    /// 12 coefficients, four at each of the resolutions 1, 1/2, 1/4: 21 bytes.
+    #[schemars(skip)]
     Fm12,
-    /// 16, four more at an eighth: 21.25 bytes.
+    /// A Fourier pyramid of 16 complex coefficients as half floats, four at each of the resolutions 1, 1/2, 1/4, 1/8 (Fritsch
+    /// 2025): 21.25 bytes.
     #[default]
     Fm16,
-    /// 4 complex coefficients as half floats at full resolution (Fritsch 2025): 16 bytes.
+    /// 4 complex coefficients at full resolution (Fritsch 2025): 16 bytes.
+    #[schemars(skip)]
     F4,
-    /// 8 at full resolution: 32 bytes.
+    /// 8 coefficients at full resolution: 32 bytes.
+    #[schemars(skip)]
     F8,
-    /// 12 at full resolution: 48 bytes.
+    /// 12 coefficients at full resolution: 48 bytes.
+    #[schemars(skip)]
     F12,
-    /// 16 at full resolution: 64 bytes.
+    /// 16 coefficients at full resolution: 64 bytes.
+    #[schemars(skip)]
     F16,
     /// Elevations at 8 azimuths as half floats (Max 1988): 16 bytes.
+    #[schemars(skip)]
     Raw8,
-    /// At 12 azimuths: 24 bytes.
+    /// Elevations at 12 azimuths: 24 bytes.
+    #[schemars(skip)]
     Raw12,
-    /// At 16 azimuths: 32 bytes.
+    /// Elevations at 16 azimuths: 32 bytes.
+    #[schemars(skip)]
     Raw16,
     /// A water-filled pyramid of up to 47 harmonics in two words a texel: 10.6 bytes.
+    #[schemars(skip)]
     W11,
-    /// The same in three words: 15.9 bytes.
+    /// A water-filled pyramid in three words a texel: 15.9 bytes.
+    #[schemars(skip)]
     W16,
-    /// The same in four words: 21.25 bytes.
+    /// A quantised pyramid of up to 47 harmonics, bits where they lower the error most: 21.25 bytes.
     W21,
-    /// A pyramid of 19 harmonics in equal steps: 42.5 bytes; its planes compress well, for small files.
+    /// A quantised pyramid of 19 harmonics in equal steps: 42.5 bytes; its planes compress well, for small files.
     Q,
 }
 
@@ -61,16 +77,16 @@ pub mod by_name {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// Four complex coefficients as half floats ([`super::half`]).
-    Halves,
+    Fourier,
     /// Sampled elevations as half floats ([`super::raw`]).
-    Samples,
-    /// Fields of bits ([`super::bit_fields`]).
-    Fields,
+    Sampled,
+    /// Coefficients in fields of bits ([`super::bit_fields`]).
+    Quantised,
 }
 
 /// A page of texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Page {
+pub struct PageLayout {
     /// Pixels per texel side.
     pub scale: usize,
     /// 32-bit words per texel.
@@ -88,6 +104,10 @@ const EQUAL_HARMONICS: usize = 19;
 const WATER_GROWTH: f64 = 2.5;
 
 impl Encoding {
+    /// What users choose from.
+    pub const SHIPPED: [Self; 3] = [Self::Fm16, Self::W21, Self::Q];
+
+    /// Every encoding, those of papers and benches included.
     pub const ALL: [Self; 15] = [
         Self::Fm4,
         Self::Fm8,
@@ -129,19 +149,19 @@ impl Encoding {
 
     pub fn family(self) -> Family {
         match self {
-            Self::Raw8 | Self::Raw12 | Self::Raw16 => Family::Samples,
-            Self::W11 | Self::W16 | Self::W21 | Self::Q => Family::Fields,
-            _ => Family::Halves,
+            Self::Raw8 | Self::Raw12 | Self::Raw16 => Family::Sampled,
+            Self::W11 | Self::W16 | Self::W21 | Self::Q => Family::Quantised,
+            _ => Family::Fourier,
         }
     }
 
     /// All pages, the finest first.
-    pub fn pages(self) -> Vec<Page> {
+    pub fn pages(self) -> Vec<PageLayout> {
         let halves = |pages: usize, scale: fn(usize) -> usize| {
-            (0..pages).map(|page| Page { scale: scale(page), words: 4 }).collect()
+            (0..pages).map(|page| PageLayout { scale: scale(page), words: 4 }).collect()
         };
-        let pyramid = |words: usize| [1, 2, 4, 8].map(|scale| Page { scale, words }).to_vec();
-        let samples = |count: usize| vec![Page { scale: 1, words: count / 2 }];
+        let pyramid = |words: usize| [1, 2, 4, 8].map(|scale| PageLayout { scale, words }).to_vec();
+        let samples = |count: usize| vec![PageLayout { scale: 1, words: count / 2 }];
         match self {
             Self::Fm4 => halves(1, |page| 1 << page),
             Self::Fm8 => halves(2, |page| 1 << page),
@@ -164,18 +184,18 @@ impl Encoding {
     /// Sampled azimuths; 0 for a series.
     pub fn samples(self) -> usize {
         match self.family() {
-            Family::Samples => 2 * self.pages()[0].words,
-            Family::Halves | Family::Fields => 0,
+            Family::Sampled => 2 * self.pages()[0].words,
+            Family::Fourier | Family::Quantised => 0,
         }
     }
 
     /// Harmonics above the mean, 0 for samples.
     pub fn harmonics(self) -> usize {
         match self.family() {
-            Family::Halves => self.pages().len() * TEXEL_COEFFICIENTS - 1,
-            Family::Samples => 0,
-            Family::Fields if self == Self::Q => EQUAL_HARMONICS,
-            Family::Fields => WATER_HARMONICS,
+            Family::Fourier => self.pages().len() * TEXEL_COEFFICIENTS - 1,
+            Family::Sampled => 0,
+            Family::Quantised if self == Self::Q => EQUAL_HARMONICS,
+            Family::Quantised => WATER_HARMONICS,
         }
     }
 
@@ -217,9 +237,9 @@ impl Encoding {
     /// `fn horizon_texel(index: u32) -> vec4u`.
     pub fn wgsl(self) -> String {
         let decoder = match self.family() {
-            Family::Halves => include_str!("half.wgsl"),
-            Family::Samples => concat!(include_str!("raw.wgsl"), include_str!("profile.wgsl")),
-            Family::Fields => concat!(include_str!("bit_fields.wgsl"), include_str!("profile.wgsl")),
+            Family::Fourier => include_str!("half.wgsl"),
+            Family::Sampled => concat!(include_str!("raw.wgsl"), include_str!("profile.wgsl")),
+            Family::Quantised => concat!(include_str!("bit_fields.wgsl"), include_str!("profile.wgsl")),
         };
         [include_str!("../series.wgsl"), decoder].concat()
     }
@@ -230,8 +250,8 @@ impl Encoding {
         let halving = f64::from(u8::from(pages.last().is_some_and(|page| page.scale > 1)));
         let mut constants = vec![("HORIZON_HALVING", halving)];
         match self.family() {
-            Family::Halves => constants.push(("HORIZON_PAGES", pages.len() as f64)),
-            Family::Samples => {
+            Family::Fourier => constants.push(("HORIZON_PAGES", pages.len() as f64)),
+            Family::Sampled => {
                 let sector_rad = std::f64::consts::TAU / self.samples() as f64;
                 constants.push(("HORIZON_SAMPLES", self.samples() as f64));
                 constants.push(("HORIZON_SECTOR_RAD", sector_rad));
@@ -240,7 +260,7 @@ impl Encoding {
                 constants.push(("HORIZON_MIDDLE_COS", (0.5 * sector_rad).cos()));
                 constants.push(("HORIZON_MIDDLE_SIN", (0.5 * sector_rad).sin()));
             }
-            Family::Fields => constants.extend([
+            Family::Quantised => constants.extend([
                 ("HORIZON_WORDS", pages[0].words as f64),
                 ("HORIZON_GAIN_BITS", f64::from(self.gain_bits())),
                 ("HORIZON_GROWTH", self.growth().unwrap_or(0.0)),
@@ -258,7 +278,7 @@ impl fmt::Display for Encoding {
 
 /// A name that no encoding has.
 #[derive(Debug, thiserror::Error)]
-#[error("{got} is no encoding, allowed are {}", Encoding::ALL.map(Encoding::name).join(", "))]
+#[error("{got} is no encoding, allowed are {}", Encoding::SHIPPED.map(Encoding::name).join(", "))]
 pub struct UnknownEncoding {
     pub got: String,
 }
@@ -269,5 +289,22 @@ impl FromStr for Encoding {
     fn from_str(text: &str) -> Result<Self, UnknownEncoding> {
         let found = Self::ALL.into_iter().find(|encoding| encoding.name() == text);
         found.ok_or_else(|| UnknownEncoding { got: text.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schema_has_what_is_shipped_and_the_others_parse() {
+        let schema = serde_json::to_string(&schemars::schema_for!(Encoding)).unwrap();
+        for encoding in Encoding::ALL {
+            let variant = format!("\"{encoding:?}\"");
+            assert_eq!(serde_json::from_str::<Encoding>(&variant).unwrap(), encoding);
+            assert_eq!(encoding.name().parse::<Encoding>().unwrap(), encoding);
+            assert_eq!(schema.contains(&variant), Encoding::SHIPPED.contains(&encoding), "{variant} in {schema}");
+        }
+        assert!("f5".parse::<Encoding>().unwrap_err().to_string().ends_with("allowed are fm16, w21, q"));
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::encoding::Page;
+use super::encoding::PageLayout;
 
 /// One resolution level of a horizon map, rows *up* the map like those of a [`crate::terrain::Level`].
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Texels {
 
 impl Texels {
     /// A page for a map of so many pixels.
-    pub fn empty(columns: usize, rows: usize, page: Page) -> Self {
+    pub fn empty(columns: usize, rows: usize, page: PageLayout) -> Self {
         let (columns, rows) = (columns.div_ceil(page.scale), rows.div_ceil(page.scale));
         Self { columns, rows, words_per_texel: page.words, words: vec![0; columns * rows * page.words] }
     }

@@ -62,7 +62,7 @@ pub struct CrossedRow {
 #[derive(Debug, Clone)]
 pub struct RowReceivers<'a> {
     pub row: CrossedRow,
-    /// Those that are taken.
+    /// Indices of the receivers that exist.
     pub taken: Range<usize>,
     pub observers_m: &'a [f32; LANES],
 }
@@ -285,17 +285,30 @@ impl<'a> Far<'a> {
             slopes[k] = if doubts[k] <= AGREEMENT { larger(slopes[k], mixed[k]) } else { slopes[k] };
         }
         if worst > AGREEMENT {
-            for k in receivers.taken.clone() {
-                if doubts[k] > AGREEMENT {
-                    let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
-                    let own = if doubts[k] == f32::INFINITY {
-                        f32::NAN
-                    } else {
-                        self.own(receivers, k, of(&runs_m), of(&tangents))
-                    };
-                    if own > slopes[k] || own.is_nan() {
-                        slopes[k] = own;
-                    }
+            self.search_doubtful(receivers, &doubts, &runs_m, &tangents, slopes);
+        }
+    }
+
+    /// Searches the own line of receivers whose interpolated slope is in doubt.
+    #[inline(always)]
+    fn search_doubtful(
+        &self,
+        receivers: &RowReceivers,
+        doubts: &[f32; LINES],
+        runs_m: &[[f32; LINES]; 2],
+        tangents: &[[f32; LINES]; 2],
+        slopes: &mut [f32; LANES],
+    ) {
+        for k in receivers.taken.clone() {
+            if doubts[k] > AGREEMENT {
+                let of = |pair: &[[f32; LINES]; 2]| [pair[0][k], pair[1][k]];
+                let own = if doubts[k] == f32::INFINITY {
+                    f32::NAN
+                } else {
+                    self.own(receivers, k, of(runs_m), of(tangents))
+                };
+                if own > slopes[k] || own.is_nan() {
+                    slopes[k] = own;
                 }
             }
         }

@@ -52,7 +52,7 @@ impl Plan {
             body: tree.body.name.clone(),
             equatorial_radius_m: tree.body.equatorial_radius_m,
             polar_radius_m: tree.body.polar_radius_m,
-            dem: crate::pipeline::ground::file_name(&dem.path),
+            dem: crate::pipeline::names::file_name(&dem.path),
             dem_sha256,
             relief_m: [dem.lowest_m, dem.highest_m],
             reach_m: (dem.reach_rad(&tree.body) * tree.body.equatorial_radius_m).round(),

@@ -17,7 +17,7 @@ use super::{Globe, Index, Plan, index};
 use crate::camera::{Camera, Pose};
 use crate::geometry::Body;
 use crate::horizon::{Encoding, HorizonMap, Memory, Settings};
-use crate::pipeline::ground::Tile;
+use crate::pipeline::tiles::Tile;
 use crate::pipeline::{Error, Progress};
 use crate::raster::{self, Values};
 use crate::scenario;

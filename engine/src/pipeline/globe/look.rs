@@ -1,5 +1,7 @@
 //! Exposures over ground that hangs on what they see.
 
+use std::sync::Arc;
+
 use super::super::{Error, Exposure, Progress, ground::Ground, motion, scene};
 use crate::camera::Pose;
 use crate::ephemeris::{Almanac, BodyFrame};
@@ -26,7 +28,7 @@ pub fn exposures(
     let poses = poses(points, almanac, frame, &exposures, &motions)?;
     let shown = coarsest.seen(&ground.surface, &scene::optics(scenario)?, &poses);
     progress.say(&shown.summary());
-    ground.surface = shown.surface()?;
+    ground.surface = Arc::new(shown.surface()?);
     let (exposures, motions) = placed(ground)?;
     if scenario.shadows.need_maps() {
         let band = motion::band(scenario, &exposures);

@@ -50,26 +50,23 @@ pub struct DeviceSkylines {
 }
 
 impl DeviceSkylines {
-    pub fn new(gpu: &Gpu, scene: &Scene, ground: &DeviceGround, lights: usize) -> Result<Self, RenderError> {
-        if lights > LIGHTS {
-            return Err(RenderError::TooManyLights { got: lights, allowed: LIGHTS });
-        }
+    pub fn new(gpu: &Gpu, scene: &Scene, ground: &DeviceGround) -> Result<Self, RenderError> {
         let mut texels = 0;
         let mut starts = Vec::new();
         for level in &ground.levels {
             starts.push(texels);
             texels += (level.shader.columns as usize * level.shader.rows as usize).div_ceil(PER_TEXEL);
         }
-        fits::<[u32; 4]>(gpu, "skylines", lights * texels, 1)?;
+        fits::<[u32; 4]>(gpu, "skylines", texels, 1)?;
         let shader = [SHADER, &ground.encoding.wgsl()].concat();
         let mut constants = [&ground.pages[..], &ground.encoding.constants(), &scene.disk.constants()].concat();
-        let factors = match &scene.shadows {
+        let factors = match scene.shadows.as_ref() {
             Shadows::Lighting(lighting) => Some(lighting.visibility),
             _ => None,
         };
         constants.push(("FACTORS", f64::from(u8::from(factors.is_some()))));
         constants.extend(factors.unwrap_or_default().constants());
-        let maker = match &scene.shadows {
+        let maker = match scene.shadows.as_ref() {
             Shadows::Baked(_) | Shadows::Lighting(_) => {
                 Some(Maker::Bake(gpu.compute("bake", &shader, "main", &constants)?))
             }
@@ -89,10 +86,14 @@ impl DeviceSkylines {
         scene: &Scene,
         ground: &DeviceGround,
         lights: &[HeldLight],
-    ) -> Result<Option<f64>, OutsideSwath> {
+    ) -> Result<Option<f64>, RenderError> {
+        if lights.len() > LIGHTS {
+            return Err(RenderError::TooManyLights { got: lights.len(), allowed: LIGHTS });
+        }
         if self.made.as_ref().is_some_and(|(held, _)| held == lights) {
             return Ok(Some(0.0));
         }
+        fits::<[u32; 4]>(gpu, "skylines", lights.len() * self.texels, 1)?;
         let (seconds, buffer) = match &self.maker {
             Some(maker) => self.make(gpu, maker, scene, ground, lights),
             None => (Some(0.0), self.send(gpu, scene, lights)?),

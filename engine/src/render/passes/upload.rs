@@ -50,7 +50,7 @@ pub struct PackedLevel {
 
 impl DeviceGround {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
-        if let Shadows::Traced(_) = scene.shadows {
+        if let Shadows::Traced(_) = scene.shadows.as_ref() {
             return Err(RenderError::TracedOnGpu);
         }
         let (horizons, terrain) = (scene.shadows.maps(), &scene.surface.terrain);

@@ -4,9 +4,10 @@ use std::cell::OnceCell;
 
 use glam::{DVec2, DVec3};
 
-use super::{bare_normal, normal, pixel_angle_rad};
+use super::pixel_angle_rad;
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Direction, Geodetic, Local, Rotation};
+use crate::render::facet::{bare_normal, normal};
 use crate::render::{Quantity, Scene, View, refine};
 use crate::terrain::{Ground, Hit};
 

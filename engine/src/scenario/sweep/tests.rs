@@ -90,7 +90,7 @@ fn scenario(sweep: &str) -> Scenario {
     sweep: ({sweep}),
 )"#
     );
-    let places = SearchPath { beside: PathBuf::new(), data: Vec::new(), kernels: PathBuf::new() };
+    let places = SearchPath { beside: PathBuf::new(), data: Vec::new() };
     resolve(Path::new("a.ron"), &text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 

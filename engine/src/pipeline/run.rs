@@ -1,0 +1,185 @@
+//! The whole story: a scenario's terrain, horizons and views, its images, and the files of the dataset.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::{Error, Prepared, Progress, images, prepare, record, scene};
+use crate::dataset::{self, Writer};
+use crate::gpu::{Adapter, Gpu};
+use crate::render::{DeviceGround, Renderer};
+use crate::scenario::{self, Scenario};
+
+/// How to run a scenario.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Where the sequence goes.
+    pub output: PathBuf,
+    /// Where synthetic terrain and horizon tiles are kept for the next run.
+    pub cache: PathBuf,
+    /// Which exposures; `None`: all.
+    pub exposures: Option<Range<usize>>,
+    /// Keep what an earlier run of the same scenario finished.
+    pub resume: bool,
+    pub adapter: AdapterChoice,
+}
+
+/// Who renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AdapterChoice {
+    /// Any adapter; the reference renderer where there is none.
+    #[default]
+    Auto,
+    /// A hardware adapter or nothing.
+    Gpu,
+    /// The reference renderer.
+    Cpu,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    pub output: PathBuf,
+    pub adapter: String,
+    pub exposures: usize,
+    /// Rendered in this run; the others were there.
+    pub rendered: usize,
+    pub seconds: Seconds,
+    /// Of the device's passes, where it can tell.
+    pub device_seconds: Option<f64>,
+    pub stages: Stages,
+}
+
+/// How long the stages of the images took, in seconds: each on its own threads, beside the others.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Stages {
+    /// Rays, on the device or the host, and their way back to the host.
+    pub samples: f64,
+    /// Planes from them, maps and records.
+    pub planes: f64,
+    /// Compression and hashes.
+    pub encoding: f64,
+    pub writing: f64,
+}
+
+/// Where the time went.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Seconds {
+    pub terrain: f64,
+    pub horizons: f64,
+    pub rendering: f64,
+    pub writing_after: f64,
+}
+
+/// Runs a scenario from its kernels to its images.
+pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
+    let chosen = chosen(scenario, options)?;
+    // The output's folder is tried before hours are spent on what shall go there.
+    dataset::check_writable(&options.output)?;
+    let gpu = open_adapter(options.adapter, scenario, progress)?;
+
+    let start = Instant::now();
+    let mut prepared = prepare(scenario, &options.cache, progress)?;
+    let renderer = renderer(gpu.as_ref(), options.adapter, scenario, &prepared)?;
+    let terrain = lap(start);
+
+    let start = Instant::now();
+    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let horizons = lap(start);
+
+    let imaging = super::scene::imaging(scenario)?;
+    let session = renderer.session(&scene)?;
+    let adapter = session.adapter().to_owned();
+    let run = record::run(scenario, &prepared, &scene, &adapter)?;
+    let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings(scenario))?;
+    let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
+
+    let start = Instant::now();
+    progress.begin("rendering", todo.len(), "exposures");
+    let instrument = images::Instrument { imaging: &imaging, session };
+    let spent = images::render(&prepared, instrument, &run, &mut writer, &todo, progress)?;
+    let rendering = lap(start);
+
+    let start = Instant::now();
+    progress.begin("writing previews", 1, "sequence");
+    let summary = writer.finish()?;
+    Ok(Report {
+        output: summary.directory,
+        adapter,
+        exposures: summary.exposures,
+        rendered: todo.len(),
+        seconds: Seconds { terrain, horizons, rendering, writing_after: lap(start) },
+        device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
+        stages: Stages {
+            samples: spent.samples.as_secs_f64(),
+            planes: spent.planes.as_secs_f64(),
+            encoding: summary.spent.encoding.as_secs_f64(),
+            writing: summary.spent.writing.as_secs_f64(),
+        },
+    })
+}
+
+/// Who renders, once it is known which shadows are cast; asks whether the device can hold the terrain.
+fn renderer(
+    gpu: Option<&Gpu>,
+    choice: AdapterChoice,
+    scenario: &Scenario,
+    prepared: &Prepared,
+) -> Result<Renderer, Error> {
+    let shadows = &prepared.shadows.shadows;
+    let gpu = gpu.filter(|_| choice != AdapterChoice::Auto || !is_traced(shadows));
+    if let Some(gpu) = gpu {
+        let horizons = shadows.need_maps().then_some(scenario.horizon.encoding);
+        DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
+    }
+    Ok(Renderer::on_any(gpu))
+}
+
+/// What is written beside the images.
+fn settings(scenario: &Scenario) -> dataset::Settings {
+    dataset::Settings {
+        tiff: scenario.outputs.tiff,
+        animation: scenario.outputs.animation,
+        overlay: scenario.landmarks.as_ref().is_some_and(|wanted| wanted.overlay),
+        white: record::white(scenario),
+        formats: scenario.outputs.formats.clone(),
+    }
+}
+
+fn lap(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}
+
+fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
+    let count = scenario.images();
+    let range = options.exposures.clone().unwrap_or(0..count);
+    if range.is_empty() || range.end > count {
+        return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });
+    }
+    Ok(range)
+}
+
+fn is_traced(shadows: &scenario::Shadows) -> bool {
+    *shadows == scenario::Shadows::Traced
+}
+
+/// The device that renders; `None`: the reference renderer does.
+fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progress) -> Result<Option<Gpu>, Error> {
+    match choice {
+        AdapterChoice::Cpu => Ok(None),
+        AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
+        AdapterChoice::Auto if is_traced(&scenario.shadows) => {
+            progress.say("traced shadows: rendering with the reference renderer on the CPU");
+            Ok(None)
+        }
+        AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {
+            Ok(gpu) => Ok(Some(gpu)),
+            Err(error) => {
+                progress.say(&format!("{error}; rendering with the reference renderer on the CPU"));
+                Ok(None)
+            }
+        },
+    }
+}
