@@ -21,15 +21,16 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::{Error, Machine, Report, Table, Value};
-use methods::{Workshop, outside_domain};
+use methods::{MethodFactory, outside_domain};
 use perilune_engine::geometry::Position;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Prepared, Progress};
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, Shadows, View};
+use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
 use perilune_engine::scenario::{self, Scenario};
+use perilune_engine::shadow::registry;
 use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::{Ground, Hit};
 
@@ -46,9 +47,6 @@ pub struct Options {
 
 /// Shares of the disc nearer than this to none or all of it are not penumbra: the error of the truth's columns.
 const PENUMBRA: f64 = 1e-3;
-
-/// The method whose nodes hold swept skylines.
-const SWATH: &str = "swath";
 
 /// How a method differs from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +119,7 @@ fn comparable(scenario: &Scenario, options: &Options) -> Result<Scenario, Error>
     if options.exposure > last {
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
     }
-    Ok(Scenario { shadows: scenario::Shadows::Fourier, ..reduced(scenario, options.pixels) })
+    Ok(Scenario { shadows: scenario::Shadows::default(), ..reduced(scenario, options.pixels) })
 }
 
 /// Renders an exposure with every method and compares.
@@ -131,13 +129,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
     let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();
-    let workshop = Workshop {
+    let factory = MethodFactory {
         prepared: &prepared,
         settings: traced_settings(&scenario),
         maps: scene.shadows.maps().unwrap_or_default().to_vec(),
         cache: &options.cache,
     };
-    let (truth, trials, left_out) = render_all(scene, &view, &workshop, &options.methods, progress)?;
+    let (truth, trials, left_out) = render_all(scene, &view, &factory, &options.methods, progress)?;
     let ground: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit).is_some()).collect();
     if !ground.contains(&true) {
         return Err(Error::NoGround { exposure: options.exposure });
@@ -155,8 +153,8 @@ fn level_of(hit: &Option<Hit>) -> Option<(usize, usize)> {
     }
 }
 
-/// Errors where each level of the terrain is seen. What a method with skylines at the nodes errs beyond `swath`, whose nodes hold
-/// the swept ones, its encoding does; the rest is interpolated between nodes.
+/// Errors where each level of the terrain is seen. What a method with skylines at the nodes errs beyond the one whose
+/// nodes hold swept ones, its encoding does; the rest is interpolated between nodes.
 fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) -> Table {
     let columns = [
         ("posting", "m"),
@@ -171,7 +169,8 @@ fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) 
     let mut seen: Vec<_> = truth.samples.centres.iter().filter_map(level_of).collect();
     seen.sort_unstable();
     seen.dedup();
-    let swath = trials.iter().find(|trial| trial.method.starts_with(SWATH));
+    let uncompressed = registry::uncompressed_at_nodes();
+    let swept = trials.iter().find(|trial| uncompressed.is_some_and(|name| trial.method.starts_with(name)));
     for (face, level) in seen {
         let here: Vec<bool> = truth.samples.centres.iter().map(|hit| level_of(hit) == Some((face, level))).collect();
         let posting_m = prepared.ground.surface.terrain.faces[face].levels[level].posting_m;
@@ -181,7 +180,7 @@ fn levels(prepared: &Prepared, truth: &Trial, trials: &[Trial], full_w_m2: f64) 
             let mut row = vec![posting_m.into(), trial.method.as_str().into()];
             let shares = [found.ground as f64 / here.len() as f64, found.agreement].map(|share| 100.0 * share);
             row.extend(shares.into_iter().chain([found.irradiance.rms, found.penumbra.rms]).map(Value::from));
-            row.push(swath.map(|swath| against(swath).irradiance.rms).into());
+            row.push(swept.map(|swept| against(swept).irradiance.rms).into());
             table.rows.push(row);
         }
     }
@@ -212,14 +211,14 @@ struct Trial {
 fn render_all(
     mut scene: Scene,
     view: &View,
-    workshop: &Workshop,
+    factory: &MethodFactory,
     methods: &[String],
     progress: &dyn Progress,
 ) -> Result<(Trial, Vec<Trial>, Vec<String>), Error> {
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&format!("no GPU method: {error}"))).ok();
     let (mut trials, mut left_out) = (Vec::new(), Vec::new());
     for name in methods {
-        scene = match workshop.shadows(name, progress) {
+        scene = match factory.method(name, progress) {
             Ok(shadows) => scene.with_shadows(shadows),
             Err(error) => {
                 left_out.push(outside_domain(name, error)?);
@@ -232,7 +231,7 @@ fn render_all(
             None => trial(format!("{name}, reference"), &mut Renderer::Reference.session(&scene)?, view)?,
         });
     }
-    let scene = scene.with_shadows(Shadows::Traced(workshop.settings));
+    let scene = scene.with_shadows(registry::reference(factory.settings));
     // Asks for the hits of the pixels' centres.
     let view = &view.clone().with_quantities([Quantity::DemGap]);
     progress.begin("rendering, traced", 1, "image");

@@ -7,6 +7,7 @@
 //! `mesa-vulkan-drivers` brings a software adapter (lavapipe).
 
 mod depth;
+mod pages;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,6 +30,11 @@ pub enum GpuError {
     Shader { label: String, message: String },
     #[error("reading buffer {label} back failed: {message}")]
     Read { label: String, message: String },
+    #[error(
+        "{what} take {needed_mib} MiB, the adapter allows {allowed_mib} MiB; \
+         use a coarser posting, a smaller extent, or the reference renderer"
+    )]
+    TooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
 }
 
 /// Which adapter to open.
@@ -169,6 +175,17 @@ impl Gpu {
     /// 0, 1, … of group 0 that the entry point uses. Returns the seconds the device took, and waits for it, where
     /// the device can tell them.
     pub fn run(&self, pipeline: &wgpu::ComputePipeline, buffers: &[&wgpu::Buffer], groups: [u32; 3]) -> Option<f64> {
+        let numbered: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
+        self.run_bound(pipeline, &numbered, groups)
+    }
+
+    /// [`Gpu::run`] with buffers by the numbers of their bindings: all that the entry point uses and no others.
+    pub fn run_bound(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        buffers: &[(u32, &wgpu::Buffer)],
+        groups: [u32; 3],
+    ) -> Option<f64> {
         let bind_group = self.bindings(&pipeline.get_bind_group_layout(0), buffers);
         let timer = self.timer.as_deref();
         let _busy = timer.map(|timer| timer.busy.lock().unwrap_or_else(PoisonError::into_inner));
@@ -190,10 +207,10 @@ impl Gpu {
         Some(ticks[1].saturating_sub(ticks[0]) as f64 * timer?.seconds_per_tick)
     }
 
-    fn bindings(&self, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+    fn bindings(&self, layout: &wgpu::BindGroupLayout, buffers: &[(u32, &wgpu::Buffer)]) -> wgpu::BindGroup {
+        let entries: Vec<_> = buffers
+            .iter()
+            .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }

@@ -8,11 +8,11 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+mod applicability;
 pub mod auto;
 mod camera_record;
 mod check;
 mod craters;
-mod domain;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
@@ -28,7 +28,6 @@ pub mod scene;
 mod sequence;
 pub mod shot;
 mod split;
-pub mod swath;
 mod terrain_key;
 mod tiles;
 
@@ -46,9 +45,9 @@ use crate::ephemeris::{Almanac, BodyFrame, KernelSource, default_kernels};
 use crate::horizon;
 use crate::labels::{Crater, Rim};
 use crate::raster;
-use crate::render::{Bounce, Scene, Shadows};
+use crate::render::{Bounce, Scene};
 use crate::scenario::{self, Albedo, Ambient, Scenario, Sky};
-use crate::shadow::{Baked, Multiscale, SingleAzimuth, Swept};
+use crate::shadow::Ingredients;
 
 /// All that is settled before the first exposure.
 #[derive(Debug)]
@@ -88,7 +87,8 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    domain::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
+    scenario.notes.iter().for_each(|note| progress.say(note));
+    applicability::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
 
@@ -167,32 +167,19 @@ pub fn scene(
         }
         ground::horizons(&ground.surface, &settings, encoding, &folder, horizon::Memory::default(), progress, listed)
     };
-    let terrain = &ground.surface.terrain;
-    let shadows = match &choice.shadows {
-        scenario::Shadows::Auto { .. } | scenario::Shadows::Preset(_) => unreachable!("the choice has been made"),
-        scenario::Shadows::Off => Shadows::None,
-        scenario::Shadows::Traced => Shadows::Traced(settings),
-        scenario::Shadows::Fourier => Shadows::Fourier(maps(settings)?),
-        scenario::Shadows::Baked => Shadows::Baked(Baked(maps(settings)?)),
-        &scenario::Shadows::Series { visibility, coefficients, at } => {
-            scene::series(maps(settings)?, visibility, coefficients, at)
-        }
-        &scenario::Shadows::Swath { azimuth_step_deg } => {
-            let folder = cache.join("horizon");
-            let swath = swath::swath(&ground.surface, exposures, azimuth_step_deg, &settings, &folder, progress)?;
-            Shadows::Towards(Box::new(swath))
-        }
-        &scenario::Shadows::Sweep { azimuth_step_deg } => {
-            Shadows::Towards(Box::new(Swept { settings, step_rad: azimuth_step_deg.to_radians() }))
-        }
-        &scenario::Shadows::SingleAzimuth { spacing, edge } => {
-            Shadows::Towards(Box::new(SingleAzimuth { settings, spacing, edge }))
-        }
-        scenario::Shadows::MaximumMipmaps { runs } => Shadows::Mipmaps(scene::mipmaps(terrain, runs)),
-        &scenario::Shadows::Multiscale { level_step, level_offset, swath_deg } => {
-            Shadows::Towards(Box::new(Multiscale::new(terrain, level_step, level_offset, swath_deg.to_radians())))
-        }
-    };
+    let method = &choice.method;
+    let given = if method.needs_maps() { maps(settings)? } else { Vec::new() };
+    let shadows = method.prepare(Ingredients {
+        surface: &ground.surface,
+        settings,
+        lights: &auto::lights(exposures),
+        maps: given,
+        folder: &cache.join("horizon"),
+        progress: &|what, done, all| match done {
+            0 => progress.begin(what, all, "azimuths"),
+            _ => progress.at(done, all),
+        },
+    })?;
     let from_maps = matches!(scenario.ambient, Some(Ambient { sky: Sky::Horizons, .. })) || scenario.bounce.is_some();
     let made = if from_maps && shadows.maps().is_none() { maps(settings)? } else { Vec::new() };
     let horizons = shadows.maps().unwrap_or(&made[..]);

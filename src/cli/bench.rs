@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use perilune_bench::illumination as percentages;
 use perilune_bench::shadows::matrix::{self, QUICK_DEG};
-use perilune_bench::shadows::methods::{SLOW, USUAL, allowed, known};
+use perilune_bench::shadows::methods::{allowed, slow, usual};
 use perilune_bench::{dataset, frame, horizons, radiometry, shadows, sources, stability};
 use perilune_engine::report::Report;
+use perilune_engine::shadow::registry;
 
 use super::Outcome;
 use super::bars::Bars;
@@ -226,7 +227,7 @@ fn print(report: &Report, directory: &Path, json: bool) -> Outcome {
 }
 
 fn method(text: &str) -> Result<String, String> {
-    match text == "all" || known(text) {
+    match text == "all" || registry::named(text).is_some() {
         true => Ok(text.into()),
         false => Err(format!("want all, {}", allowed())),
     }
@@ -242,8 +243,8 @@ fn elevation(text: &str) -> Result<f64, String> {
 fn all_of(named: Vec<String>) -> Vec<String> {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     match &named[..] {
-        [] => names(&USUAL),
-        _ if named.iter().any(|name| name == "all") => names(&[&USUAL[..], &SLOW].concat()),
+        [] => names(&usual()),
+        _ if named.iter().any(|name| name == "all") => names(&[usual(), slow()].concat()),
         _ => named,
     }
 }

@@ -54,10 +54,12 @@ pub fn run(args: Args) -> Outcome {
         let report = json!({
             "path": scenario.path, "exposures": scenario.images(),
             "over_terrain": checked.over_terrain, "problems": messages, "warnings": checked.warnings,
+            "notes": scenario.notes,
         });
         print_line(format_args!("{report:#}"))?;
     }
     if !args.json {
+        scenario.notes.iter().try_for_each(|note| print_line(format_args!("{path}: note: {note}")))?;
         checked.warnings.iter().try_for_each(|warning| print_line(format_args!("{path}: warning: {warning}")))?;
     }
     if !problems.is_empty() {

@@ -4,8 +4,10 @@ use std::error::Error;
 use std::io::Write as _;
 
 use perilune_engine::geometry::Geodetic;
+use perilune_engine::gpu::GpuError;
 use perilune_engine::pipeline;
 use perilune_engine::render::RenderError;
+use perilune_engine::shadow::DeviceError;
 
 pub mod bars;
 pub mod bench;
@@ -79,7 +81,11 @@ pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
     let flag = match &error {
         pipeline::Error::NoSuchExposures { .. } => "--frames",
         pipeline::Error::NoTiles { .. } => "--tiles",
-        pipeline::Error::Render(RenderError::BufferTooLarge { .. } | RenderError::TracedOnGpu) => "--adapter cpu",
+        pipeline::Error::Gpu(GpuError::TooLarge { .. })
+        | pipeline::Error::Render(
+            RenderError::Gpu(GpuError::TooLarge { .. })
+            | RenderError::Device(DeviceError::HostOnly(_) | DeviceError::Gpu(GpuError::TooLarge { .. })),
+        ) => "--adapter cpu",
         _ => return Box::new(error),
     };
     format!("{} (see {flag})", chain(&error)).into()

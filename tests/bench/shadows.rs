@@ -3,18 +3,19 @@
 use std::path::Path;
 
 use perilune_bench::shadows::matrix;
-use perilune_bench::shadows::methods::{SLOW, USUAL};
+use perilune_bench::shadows::methods::{slow, usual};
 use perilune_bench::shadows::{Options, compare, reduced, run};
 use perilune_engine::geometry::Position;
 use perilune_engine::pipeline::{self, Silent};
-use perilune_engine::render::{Renderer, Shadows};
+use perilune_engine::render::Renderer;
 use perilune_engine::report::Value;
 use perilune_engine::scenario::{self, Scenario};
+use perilune_engine::shadow::registry;
 
 const SCENARIO: &str = "(
     title: \"A small highland under a fixed Sun\",
     terrain: (dems: [Synthetic(columns: 192, rows: 192, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 5)]),
-    shadows: Fourier,
+    shadows: HorizonMaps(),
     sun: (fixed: (azimuth_deg: 40, elevation_deg: 6)),
     trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -89, longitude_deg: 0, height_m: 8000)]),
     camera: (columns: 128, rows: 96, field_of_view_deg: 20, samples_per_pixel: 4),
@@ -41,7 +42,7 @@ fn a_reduced_camera_sees_the_same_field_with_one_ray_a_pixel() {
 #[test]
 fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
     let folder = tempfile::TempDir::new().unwrap();
-    let methods = [&USUAL[..], &SLOW].concat().into_iter().map(str::to_owned).collect();
+    let methods = [usual(), slow()].concat().into_iter().map(str::to_owned).collect();
     let options = Options { exposure: 0, pixels: 64, methods, cache: folder.path().join("cache") };
     let report = run(&small(folder.path()), &options, &Silent).unwrap_or_else(|error| panic!("{error}"));
     let agreement = |method: &str| {
@@ -69,7 +70,7 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
     let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
     let mut scene = pipeline::scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
-    scene = scene.with_shadows(Shadows::Traced(Default::default()));
+    scene = scene.with_shadows(registry::reference(Default::default()));
     let mut view = prepared.exposures[0].view.clone();
     let truth = Renderer::Reference.samples(&scene, &view).unwrap().pixels;
     let (ground, full_w_m2) = (vec![true; truth.len()], view.lights[0].irradiance_w_m2);

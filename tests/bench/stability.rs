@@ -1,6 +1,6 @@
 //! Hard cases: what passes goes on passing, and what is wrong is seen to be wrong.
 
-use perilune_bench::stability::methods::{Workbench, outcome};
+use perilune_bench::stability::methods::{MethodFactory, outcome};
 use perilune_bench::stability::{Outcome, cases, run};
 use perilune_engine::pipeline::Silent;
 use perilune_engine::report::{Report, Value};
@@ -51,12 +51,12 @@ fn a_planted_error_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     let mut cases = cases::all();
     let case = cases.iter_mut().find(|case| case.number == 1).unwrap();
-    let workbench = Workbench::new(&case.scene.surface, folder.path()).unwrap();
-    assert!(matches!(outcome(case, "traced", None, &workbench).unwrap(), Outcome::Pass(_)));
+    let factory = MethodFactory::new(&case.scene.surface, folder.path()).unwrap();
+    assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Pass(_)));
     let map = case.scene.surface.terrain.faces[0].map.clone();
     case.views[0].lights[0] =
         perilune_bench::stability::scenes::sun(&map, -std::f64::consts::FRAC_PI_2, 3.25_f64.to_radians());
-    assert!(matches!(outcome(case, "traced", None, &workbench).unwrap(), Outcome::Fail(_)));
+    assert!(matches!(outcome(case, "traced", None, &factory).unwrap(), Outcome::Fail(_)));
     let mut image = perilune_engine::render::Renderer::Reference.samples(&case.scene, &case.views[0]).unwrap();
     image.pixels[7].sun_fraction = f32::NAN;
     assert_eq!(case.outcome(&[image]), Outcome::NotANumber);

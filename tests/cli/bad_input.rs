@@ -133,7 +133,7 @@ const STRUCTURE: &[Case] = &[
         "refinement of what has no known error",
         "title: \"a test\"",
         "title: \"a test\", refine: true, shadows: Sweep()",
-        "2:30: refine needs shadows: Fourier or Baked, whose errors are known",
+        "2:30: refine needs shadows from horizon maps with all their coefficients and no visibility, whose errors are known",
     ),
     Case(
         "unknown plane",

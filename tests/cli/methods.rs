@@ -25,19 +25,16 @@ fn settings(run: &Run) -> serde_json::Value {
 #[test]
 fn every_method_runs_and_is_written_down() {
     let cases = [
-        ("shadows: Preset(None), view_rays: Hybrid()", "Off"),
-        ("shadows: MaximumMipmaps(runs: [5, 5, 5])", "MaximumMipmaps { runs: [5, 5, 5] }"),
-        ("shadows: MaximumMipmaps()", "MaximumMipmaps { runs: [] }"),
+        ("shadows: Off, view_rays: Hybrid()", "Off"),
+        ("shadows: MaximumMipmaps(runs: [5, 5, 5])", "MaximumMipmaps(runs: [5, 5, 5])"),
+        ("shadows: MaximumMipmaps()", "MaximumMipmaps()"),
         (
-            "shadows: Series(visibility: Boxes(5), coefficients: 8, at: Nodes)",
-            "Series { visibility: Boxes(5), coefficients: Some(8), at: Nodes }",
+            "shadows: HorizonMaps(visibility: Boxes(5), coefficients: 8, at: Nodes)",
+            "HorizonMaps(at: Nodes, visibility: Boxes(5), coefficients: 8)",
         ),
-        ("shadows: Series()", "Series { visibility: MiddleValue, coefficients: None, at: Pixels }"),
-        ("shadows: Series(visibility: Line)", "Series { visibility: Line, coefficients: None, at: Pixels }"),
-        ("shadows: Preset(None)", "Off"),
-        ("shadows: Preset(Low)", "Series { visibility: MiddleValue, coefficients: Some(8), at: Nodes }"),
-        ("shadows: Preset(VeryHighX7)", "Series { visibility: Boxes(7), coefficients: Some(16), at: Pixels }"),
-        ("shadows: Multiscale(level_step: 2)", "Multiscale { level_step: 2, level_offset: 2.0, swath_deg: 2.0 }"),
+        ("shadows: HorizonMaps(at: Pixels)", "HorizonMaps()"),
+        ("shadows: HorizonMaps(visibility: Line)", "HorizonMaps(visibility: Line)"),
+        ("shadows: Multiscale(level_step: 2)", "Multiscale(level_step: 2)"),
     ];
     for (keys, recorded) in cases {
         let run = with(keys);
@@ -50,10 +47,10 @@ fn every_method_runs_and_is_written_down() {
 fn a_method_outside_its_domain_is_warned_of() {
     let cases = [
         ("shadows: Multiscale()", "smooths skylines over degrees"),
-        ("shadows: SingleAzimuth(edge: Hard)", "no penumbra"),
+        ("shadows: TowardsSun(by: SingleAzimuth(edge: Hard))", "no penumbra"),
         ("shadows: MaximumMipmaps(runs: [2])", "looks 2 postings far"),
         ("shadows: MaximumMipmaps()", ""),
-        ("shadows: Fourier", ""),
+        ("shadows: HorizonMaps()", ""),
     ];
     for (keys, warned) in cases {
         let run = with(keys);
@@ -61,6 +58,47 @@ fn a_method_outside_its_domain_is_warned_of() {
         let told = checked(&run);
         assert_eq!(told.contains("warning"), !warned.is_empty(), "{keys}: {told}");
         assert!(told.contains(warned), "{keys}: {told}");
+    }
+}
+
+/// As they were written before, and as they are written now.
+const OLD: [(&str, &str); 13] = [
+    ("Fourier", "HorizonMaps()"),
+    ("Baked", "HorizonMaps(at: Nodes)"),
+    ("Series()", "HorizonMaps(visibility: MiddleValue)"),
+    ("Series(visibility: Line)", "HorizonMaps()"),
+    ("Series(visibility: Line, at: Nodes)", "HorizonMaps(at: Nodes, visibility: Line)"),
+    (
+        "Series(visibility: Boxes(5), coefficients: 8, at: Nodes)",
+        "HorizonMaps(at: Nodes, visibility: Boxes(5), coefficients: 8)",
+    ),
+    ("Preset(None)", "Off"),
+    ("Preset(Low)", "HorizonMaps(at: Nodes, visibility: MiddleValue, coefficients: 8)"),
+    ("Preset(VeryHighX7)", "HorizonMaps(visibility: Boxes(7), coefficients: 16)"),
+    ("Swath()", "TowardsSun(by: Swath())"),
+    ("Swath(azimuth_step_deg: 0.3)", "TowardsSun(by: Swath(azimuth_step_deg: 0.3))"),
+    ("Sweep(azimuth_step_deg: 0.2)", "TowardsSun(by: Sweep(azimuth_step_deg: 0.2))"),
+    ("SingleAzimuth(spacing: 2, edge: Hard)", "TowardsSun(by: SingleAzimuth(spacing: 2, edge: Hard))"),
+];
+
+#[test]
+fn older_spellings_make_the_same_image_and_say_the_new_one() {
+    for (old, new) in OLD {
+        let [before, after] = [old, new].map(|spelling| with(&format!("shadows: {spelling}")));
+        let output = before.sim(&["--frames", "0..1"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains(&format!("write {new}")), "{old}: {said}");
+        let told = checked(&before);
+        assert!(told.contains("note: shadows: ") && told.contains(&format!("write {new}")), "{old}: {told}");
+        assert_eq!(settings(&before)["shadows"], new, "{old}");
+        let output = after.sim(&["--frames", "0..1"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && !said.contains("older spelling"), "{new}: {said}");
+        assert!(!checked(&after).contains("note: "), "{new}");
+        assert_eq!(settings(&after)["shadows"], new, "{new}");
+        // The header of the image itself names the scenario's text.
+        let image = |run: &Run| run.files()["exposure_0000.png"].clone();
+        assert!(image(&before) == image(&after), "{old} and {new} are two images");
     }
 }
 

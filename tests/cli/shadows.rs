@@ -9,11 +9,14 @@ fn with_shadows(shadows: &str) -> Run {
 #[test]
 fn every_method_runs_and_stands_in_the_manifest() {
     for (written, recorded) in [
-        ("Swath()", "Swath { azimuth_step_deg: 0.15 }"),
-        ("Swath(azimuth_step_deg: 0.3)", "Swath { azimuth_step_deg: 0.3 }"),
-        ("Sweep()", "Sweep { azimuth_step_deg: 0.15 }"),
-        ("SingleAzimuth()", "SingleAzimuth { spacing: 1.0, edge: Sloped }"),
-        ("SingleAzimuth(spacing: 2, edge: Hard)", "SingleAzimuth { spacing: 2.0, edge: Hard }"),
+        ("TowardsSun()", "TowardsSun(by: Swath())"),
+        ("TowardsSun(by: Swath(azimuth_step_deg: 0.3))", "TowardsSun(by: Swath(azimuth_step_deg: 0.3))"),
+        ("TowardsSun(by: Sweep())", "TowardsSun(by: Sweep())"),
+        ("TowardsSun(by: SingleAzimuth())", "TowardsSun(by: SingleAzimuth())"),
+        (
+            "TowardsSun(by: SingleAzimuth(spacing: 2, edge: Hard))",
+            "TowardsSun(by: SingleAzimuth(spacing: 2, edge: Hard))",
+        ),
     ] {
         let run = with_shadows(written);
         run.succeed(&["--frames", "0..2"]);
@@ -24,9 +27,7 @@ fn every_method_runs_and_stands_in_the_manifest() {
 
 #[test]
 fn auto_says_what_it_chose_and_why() {
-    for (written, recorded) in
-        [("Auto()", "Swath { azimuth_step_deg: 0.15 }"), ("Auto(max_irradiance_error: 0)", "Traced")]
-    {
+    for (written, recorded) in [("Auto()", "TowardsSun(by: Swath())"), ("Auto(max_irradiance_error: 0)", "Traced")] {
         let run = with_shadows(written);
         let output = run.sim(&["--frames", "0..1"]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -42,7 +43,7 @@ fn auto_says_what_it_chose_and_why() {
 /// The Sun goes around the Moon's sky once a month.
 #[test]
 fn a_swath_of_a_month_is_refused_before_anything_is_swept() {
-    let run = with_shadows("Swath()");
+    let run = with_shadows("TowardsSun(by: Swath())");
     let month = std::fs::read_to_string(run.path("small.ron")).unwrap().replace("step_s: 10", "step_s: 600000");
     std::fs::write(run.path("small.ron"), month.replace("(t_s: 30,", "(t_s: 2000000,")).unwrap();
     let output = run.sim(&[]);

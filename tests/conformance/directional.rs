@@ -1,6 +1,7 @@
 //! Skylines found towards a still light: by steps, by sweeps, from swaths, against each other and against traced ones.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Direction, Position};
@@ -8,11 +9,12 @@ use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::settings::direction as direction_of;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::photometry::{Facet, HorizonLine, SunAxes};
-use perilune_engine::render::{Renderer, Scene, Shadows, View};
+use perilune_engine::render::{Renderer, Scene, View};
 use perilune_engine::shadow::fan::{THREE, line_of_three};
-use perilune_engine::shadow::single_azimuth::{believed, lanes};
-use perilune_engine::shadow::swath::Plan;
-use perilune_engine::shadow::{Edge, HeldLight, OutsideSwath, SingleAzimuth, Swath, Swept, Towards};
+use perilune_engine::shadow::towards_sun::single_azimuth::{lanes, reference};
+use perilune_engine::shadow::towards_sun::swath::Plan;
+use perilune_engine::shadow::towards_sun::{Edge, SingleAzimuth, Swath, Swept};
+use perilune_engine::shadow::{QuantizedLight, ShadowMethod, SkylineSource, UnpreparedLight, registry};
 use perilune_engine::terrain::{Surface, Terrain};
 
 use super::render::{cube, scenes};
@@ -27,15 +29,16 @@ fn stepping(edge: Edge) -> SingleAzimuth {
     SingleAzimuth { settings: Settings::default(), spacing: 1.0, edge }
 }
 
-fn swath(surface: &Surface, lights: &[HeldLight], folder: &std::path::Path) -> Swath {
-    let plan = Plan::new(surface, &[lights.to_vec()], STEP_RAD);
+fn swath(surface: &Surface, lights: &[QuantizedLight], folder: &std::path::Path) -> Swath {
+    let exposures: Vec<_> = lights.iter().map(|light| vec![*light]).collect();
+    let plan = Plan::new(surface, &exposures, STEP_RAD);
     plan.open_or_build(surface, &Settings::default(), folder, &|_, _| ()).unwrap()
 }
 
 /// The nested terrain with a hole, seen obliquely, the Sun at 3°.
-fn nested() -> (Scene, View, HeldLight) {
+fn nested() -> (Scene, View, QuantizedLight) {
     let (_, scene, view) = scenes().swap_remove(0);
-    let light = view.held_lights()[0];
+    let light = view.quantized_lights()[0];
     (scene, view, light)
 }
 
@@ -58,8 +61,8 @@ fn nodes_side_by_side_see_what_the_papers_loop_sees() {
                     let count = lanes::LANES.min(columns - first[0]);
                     let found = lines.elevations_rad(first, count, towards);
                     for (lane, got_rad) in found.iter().take(count).enumerate() {
-                        let foot = lines.foot([first[0] + lane, first[1]]);
-                        let expected = believed::elevation_rad(face, level, foot, towards, spacing, &settings);
+                        let point = lines.point([first[0] + lane, first[1]]);
+                        let expected = reference::elevation_rad(face, level, point, towards, spacing, &settings);
                         worst_rad = worst_rad.max((got_rad - expected).abs());
                         highest_rad = highest_rad.max(expected);
                     }
@@ -91,23 +94,23 @@ fn skylines_towards_the_sun_light_what_traced_skylines_light() {
     let (mut scene, view, light) = nested();
     let view = view.with_samples_per_side(1);
     let folder = tempfile::tempdir().unwrap();
-    scene = scene.with_shadows(Shadows::Traced(Settings::default()));
+    scene = scene.with_shadows(registry::reference(Settings::default()));
     let truth = shares(&scene, &view);
     let swath = swath(&scene.surface, &[light], folder.path());
-    let methods: [Box<dyn Towards>; 4] =
-        [Box::new(swath), Box::new(sweep()), Box::new(stepping(Edge::Sloped)), Box::new(stepping(Edge::Level))];
+    let methods: [Arc<dyn ShadowMethod>; 4] =
+        [Arc::new(swath), Arc::new(sweep()), Arc::new(stepping(Edge::Sloped)), Arc::new(stepping(Edge::Level))];
     for method in methods {
         let name = method.name();
-        scene = scene.with_shadows(Shadows::Towards(method));
+        scene = scene.with_shadows(method);
         let (same, mean) = agreement(&truth, &shares(&scene, &view));
         println!("{name}: {same} {mean}");
         assert!(same > 0.985 && mean < 0.012, "{name}: {same} {mean}");
     }
-    scene = scene.with_shadows(Shadows::Towards(Box::new(stepping(Edge::Hard))));
+    scene = scene.with_shadows(Arc::new(stepping(Edge::Hard)));
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     println!("hard: {same} {mean}");
     assert!(same > 0.98 && mean < 0.03, "hard: {same} {mean}");
-    scene = scene.with_shadows(Shadows::None);
+    scene = scene.with_shadows(registry::no_shadows());
     let (same, mean) = agreement(&truth, &shares(&scene, &view));
     assert!(same < 0.9 && mean > 0.1, "the comparison sees no shadows at all: {same} {mean}");
 }
@@ -125,22 +128,22 @@ fn a_line_across_the_disc_tells_more_than_a_level_one_and_less_than_planes_in_co
     let mut squares = [0.0; 3];
     let mut count = 0.0;
     for node in (0..level.columns * level.rows).step_by(7) {
-        let foot = level.lifted_node(node % level.columns, node / level.columns);
-        let (towards, direction) = light.from(map, foot);
-        let up = map.up(foot.truncate());
+        let point = level.lifted_node(node % level.columns, node / level.columns);
+        let (towards, direction) = light.from(map, point);
+        let up = map.up(point.truncate());
         let axes = SunAxes::new(direction, up);
-        let elevation_rad = |towards: DVec2| tracer.skyline(foot, towards).elevation_rad;
+        let elevation_rad = |towards: DVec2| tracer.skyline(point, towards).elevation_rad;
         // Only where the disc may be cut at all.
-        let aim = light.aim(map, foot);
+        let pointing = light.pointing(map, point);
         let middle_rad = elevation_rad(towards);
-        if (middle_rad - aim.elevation_rad).abs() > 1.5 * radius_rad {
+        if (middle_rad - pointing.elevation_rad).abs() > 1.5 * radius_rad {
             continue;
         }
         let in_columns = |skyline_rad: &dyn Fn(DVec2) -> f64| {
             let height = |x: f64| {
                 let column = Direction::new(direction.unit() + radius_rad * x * axes.x.unit()).unwrap();
                 let column_rad = up.unit().dot(column.unit()).asin();
-                let towards = map.map_direction(foot.truncate(), column).normalize();
+                let towards = map.map_direction(point.truncate(), column).normalize();
                 (skyline_rad(towards) - column_rad).tan() / radius_rad
             };
             scene.disk.light_above(&height, facing).fraction
@@ -155,12 +158,12 @@ fn a_line_across_the_disc_tells_more_than_a_level_one_and_less_than_planes_in_co
             at(steps.floor()) + (steps - steps.floor()) * (at(steps.floor() + 1.0) - at(steps.floor()))
         });
         let line = |elevation_rad: f64, slope: f64| {
-            let slope = slope * map.azimuth_ratio(foot.truncate(), towards);
-            let line = HorizonLine::new(elevation_rad, slope, aim.elevation_rad, radius_rad);
+            let slope = slope * map.azimuth_ratio(point.truncate(), towards);
+            let line = HorizonLine::new(elevation_rad, slope, pointing.elevation_rad, radius_rad);
             scene.disk.light(line, facing).fraction
         };
-        let turned = |x: f64| DVec2::from_angle(-x * aim.half_width_rad).rotate(towards);
-        let [elevation, slope] = line_of_three(THREE.map(|x| elevation_rad(turned(x))), aim.half_width_rad);
+        let turned = |x: f64| DVec2::from_angle(-x * pointing.half_width_rad).rotate(towards);
+        let [elevation, slope] = line_of_three(THREE.map(|x| elevation_rad(turned(x))), pointing.half_width_rad);
         let told = [line(middle_rad, 0.0), line(f64::from(elevation), f64::from(slope)), planes];
         for (square, told) in squares.iter_mut().zip(told) {
             *square += (told - truth).powi(2);
@@ -180,7 +183,7 @@ fn a_swath_holds_what_the_sweep_finds_for_every_exposure() {
     let folder = tempfile::tempdir().unwrap();
     let turned = |angle_rad: f64| {
         let vector_m = glam::DQuat::from_rotation_z(angle_rad) * light.position.vector_m();
-        HeldLight::new(Position::from_m(vector_m), light.angular_radius_rad)
+        QuantizedLight::new(Position::from_m(vector_m), light.angular_radius_rad)
     };
     let lights = [0.0, 0.004, -0.002].map(turned);
     let swath = swath(surface, &lights, folder.path());
@@ -201,7 +204,7 @@ fn a_swath_holds_what_the_sweep_finds_for_every_exposure() {
         }
     }
     let other = turned(0.1);
-    assert_eq!(swath.field(surface, 0, 1, &other), Err(OutsideSwath { face: 0, level: 1 }));
+    assert_eq!(swath.field(surface, 0, 1, &other), Err(UnpreparedLight { face: 0, level: 1 }));
 }
 
 /// Planes are kept, whole or not at all; a damaged one is swept again, to the same bytes.
@@ -248,13 +251,16 @@ fn no_sun_makes_a_skyline_that_is_no_number() {
     let near_pole = DVec3::new(1e-9, -1e-9, 1.0);
     let suns = [axes[0], corner, DVec3::Z, -DVec3::Z, near_pole, (axes[0] + 1e-3 * axes[1]).normalize()];
     for towards in suns {
-        let light = HeldLight::new(Position::from_m(1.5e11 * towards), 0.00465);
+        let light = QuantizedLight::new(Position::from_m(1.5e11 * towards), 0.00465);
         let few = Swept { step_rad: 0.1, ..sweep() };
-        let methods: [&dyn Towards; 4] = [&few, &stepping(Edge::Sloped), &stepping(Edge::Level), &stepping(Edge::Hard)];
+        let methods: [&dyn ShadowMethod; 4] =
+            [&few, &stepping(Edge::Sloped), &stepping(Edge::Level), &stepping(Edge::Hard)];
         for method in methods {
             for (face, levels) in surface.terrain.faces.iter().enumerate() {
                 for level in 0..levels.levels.len() {
-                    for [elevation_rad, slope] in method.field(&surface, face, level, &light).unwrap() {
+                    for [elevation_rad, slope] in
+                        method.skylines().unwrap().field(&surface, face, level, &light).unwrap()
+                    {
                         let name = method.name();
                         assert!(elevation_rad.is_finite() && slope.is_finite(), "{name} under {towards}");
                         let bound = if name.ends_with("hard") { FRAC_PI_2 + 1.0 } else { 1.0 };
@@ -273,8 +279,8 @@ fn holes_have_skylines_too() {
     let mut terrain: Terrain = scene.surface.terrain.clone();
     terrain.faces[0].levels[0].gap.iter_mut().for_each(|gap| *gap = true);
     let surface = Surface::new(terrain);
-    for method in [&sweep() as &dyn Towards, &stepping(Edge::Sloped)] {
-        let field = method.field(&surface, 0, 0, &light).unwrap();
+    for method in [&sweep() as &dyn ShadowMethod, &stepping(Edge::Sloped)] {
+        let field = method.skylines().unwrap().field(&surface, 0, 0, &light).unwrap();
         assert!(field.iter().flatten().all(|value| value.is_finite()), "{}", method.name());
     }
 }

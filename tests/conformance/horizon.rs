@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use perilune_engine::horizon::pack::{BitField, Family, pack, unpack};
 use perilune_engine::horizon::{Bounds, Encoding, Horizon, HorizonMap, Texels, TileErrors};
+use perilune_engine::terrain::AZIMUTH_RATIO_WGSL;
 
 use super::{Comparison, Shader, functions, gpu, spread};
 
@@ -60,7 +61,12 @@ fn shader(map: &HorizonMap) -> Shader {
     map.append_to(&mut texels);
     let table = texels.as_flattened().to_vec();
     let declared = "horizon_texels: array<vec4u>";
-    Shader { source: [&map.encoding.wgsl(), texel].concat(), constants: map.encoding.constants(), declared, table }
+    Shader {
+        source: [&map.encoding.wgsl(), AZIMUTH_RATIO_WGSL, texel].concat(),
+        constants: map.encoding.constants(),
+        declared,
+        table,
+    }
 }
 
 /// The map as WGSL.

@@ -5,10 +5,16 @@ use std::mem::offset_of;
 use perilune_engine::horizon::Encoding;
 use perilune_engine::photometry::{REFLECTANCE_WGSL, ReflectanceParameters, SOLAR_DISK_WGSL};
 use perilune_engine::render::layout::{
-    BakeParameters, CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
+    CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters,
 };
-use perilune_engine::render::passes::{BAKE_SHADER, SHADER};
+use perilune_engine::render::passes::SHADER;
+use perilune_engine::shadow::DevicePart;
+use perilune_engine::shadow::horizon_maps::device::{NODES, NodesParameters};
 use perilune_engine::shadow::multiscale::device;
+
+/// Stands for what is made of a map.
+const NODE_VALUE: &str =
+    "fn node_value(horizon: HorizonGrid, grid: vec2f, at_m: vec2f, s: vec3f) -> vec2f { return vec2f(0.0); }";
 
 /// Name and offset of every member of a WGSL struct, and its size.
 fn layout(source: &str, name: &str) -> (Vec<(String, usize)>, usize) {
@@ -43,7 +49,7 @@ fn reflectance_parameters_lie_as_the_shader_reads_them() {
 
 #[test]
 fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
-    let source = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &Encoding::Fm16.wgsl()].concat();
+    let source = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &DevicePart::open().wgsl].concat();
     let hosts = [
         (
             "ViewParameters",
@@ -59,7 +65,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
         (
             "MapLevel",
             host!(MapLevel: base camera south_west_m posting_m columns rows mips heights_offset maxima_offset horizon
-                face has_horizon horizon_table padding),
+                face horizon_table padding),
         ),
         ("LightParameters", host!(LightParameters: direction radius_rad irradiance_w_m2 padding)),
         ("Pixel", host!(PixelOut: radiance irradiance fraction hit)),
@@ -71,10 +77,10 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
 }
 
 #[test]
-fn the_parameters_of_baking_lie_as_the_shader_reads_them() {
-    let host = host!(BakeParameters: direction south_west_m posting_m radius_m offset columns rows horizon_table
+fn parameters_of_maps_at_nodes_lie_as_the_shader_reads_them() {
+    let host = host!(NodesParameters: direction south_west_m posting_m radius_m offset columns rows horizon_table
         horizon radius_rad padding);
-    assert_eq!(layout(&[BAKE_SHADER, &Encoding::Fm16.wgsl()].concat(), "BakeParameters"), host);
+    assert_eq!(layout(&[NODES, NODE_VALUE, &Encoding::Fm16.wgsl()].concat(), "NodesParameters"), host);
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Runs over maximum mipmaps and light from the sky: the pass against the reference.
 
-use perilune_engine::render::{Ambient, Renderer, Scene, Shadows};
+use perilune_engine::render::{Ambient, Renderer, Scene};
+use perilune_engine::shadow::mipmaps::Mipmaps;
+use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::sky::{Harmonic, shares};
-use perilune_engine::shadow::{Mipmaps, Multiscale};
+use std::sync::Arc;
 
 use super::render::{compare, scenes};
 
@@ -22,7 +24,7 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
         }
         for method in methods(&scene) {
             let called = format!("{name}, {method:?}");
-            scene = scene.with_shadows(Shadows::Mipmaps(method));
+            scene = scene.with_shadows(Arc::new(method));
             let reference = Renderer::Reference.samples(&scene, &view).unwrap();
             let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
             let agreement = compare(&view, &reference, &pass);
@@ -36,9 +38,9 @@ fn the_pass_searches_the_runs_that_the_reference_searches() {
 fn one_mip_less_is_noticed() {
     let Some(gpu) = super::gpu() else { return };
     let (_, mut scene, view) = scenes().swap_remove(0);
-    scene = scene.with_shadows(Shadows::Mipmaps(Mipmaps::of(&[5, 5, 5])));
+    scene = scene.with_shadows(Arc::new(Mipmaps::of(&[5, 5, 5])));
     let reference = Renderer::Reference.samples(&scene, &view).unwrap();
-    scene = scene.with_shadows(Shadows::Mipmaps(Mipmaps::of(&[5, 4, 5])));
+    scene = scene.with_shadows(Arc::new(Mipmaps::of(&[5, 4, 5])));
     let other = Renderer::on(gpu).samples(&scene, &view).unwrap();
     assert!(compare(&view, &reference, &other).radiance < 0.995);
 }

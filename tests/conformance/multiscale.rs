@@ -1,15 +1,17 @@
 //! Skylines from images of heights: the device against the host, and images lit by both.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use perilune_bench::stability::scenes::{Grid, flat_body};
 use perilune_engine::geometry::{Body, Position};
 use perilune_engine::gpu::Gpu;
-use perilune_engine::render::{Light, Renderer, Shadows};
+use perilune_engine::render::{Light, Renderer};
+use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::multiscale::device::OnDevice;
-use perilune_engine::shadow::skylines::{Feet, Field};
-use perilune_engine::shadow::{HeldLight, Multiscale, Skylines, Towards};
+use perilune_engine::shadow::skylines::Field;
+use perilune_engine::shadow::{FieldMaker, QuantizedLight, SkylineSource, Skylines, SurfacePoints};
 use perilune_engine::terrain::{Face, Surface, Terrain};
 
 use super::render::{compare, cube, scenes};
@@ -24,35 +26,41 @@ fn moon(face: Face) -> Surface {
 }
 
 /// A light so far from a map's centre of projection, in map axes.
-fn light(surface: &Surface, towards: DVec3, distance_m: f64) -> HeldLight {
+fn light(surface: &Surface, towards: DVec3, distance_m: f64) -> QuantizedLight {
     let vector_m = distance_m * surface.terrain.faces[0].map.map_from_body.inverse().turn(towards.normalize());
-    HeldLight::new(Position::from_m(vector_m), 0.0047)
+    QuantizedLight::new(Position::from_m(vector_m), 0.0047)
 }
 
 /// The device's field, behind five others.
-fn on_device(gpu: &Gpu, method: &Multiscale, terrain: &Terrain, [face, level]: [usize; 2], light: &HeldLight) -> Field {
+fn on_device(
+    gpu: &Gpu,
+    method: &Multiscale,
+    terrain: &Terrain,
+    [face, level]: [usize; 2],
+    light: &QuantizedLight,
+) -> Field {
     let device = OnDevice::new(gpu, method, terrain).unwrap().expect("small images");
     let map = &terrain.faces[face].map;
-    let count = Feet::of(&terrain.faces[face].levels[level]).count();
+    let count = SurfacePoints::of(&terrain.faces[face].levels[level]).count();
     let fields = gpu.output("fields", ((5 + count) * size_of::<[f32; 2]>()) as u64);
     device.field(gpu, map, [face, level], light, &fields, 5);
     gpu.read(&fields).unwrap()[5..][..count].to_vec()
 }
 
 /// What two fields differ by in the elevations that they are made of: of the middle, and of the outer two.
-fn errors_rad(believed: &Field, found: &Field, swath_rad: f64) -> Vec<f64> {
-    assert_eq!(believed.len(), found.len());
+fn errors_rad(expected: &Field, found: &Field, swath_rad: f64) -> Vec<f64> {
+    assert_eq!(expected.len(), found.len());
     let of_node = |(a, b): (&[f32; 2], &[f32; 2])| {
         let [middle, slope] = [0, 1].map(|i| f64::from(a[i]) - f64::from(b[i]));
         // NaN is no small error.
         if middle.is_finite() && slope.is_finite() { middle.abs().max(slope.abs() * swath_rad / 2.0) } else { TAU }
     };
-    believed.iter().zip(found).map(of_node).collect()
+    expected.iter().zip(found).map(of_node).collect()
 }
 
 /// Of all levels towards some lights; asserts the bound. A sample within 1e-7 of its distance of a level's edge may be found on
 /// either side: one node in 10 000 may have one.
-fn assert_agrees(name: &str, gpu: &Gpu, surface: &Surface, lights: &[HeldLight]) {
+fn assert_agrees(name: &str, gpu: &Gpu, surface: &Surface, lights: &[QuantizedLight]) {
     let terrain = &surface.terrain;
     let (mut errors, mut below) = (Vec::new(), 0);
     for (k, o, swath_rad) in [(4, 2.0, 0.035), (1, 1.0, 0.03), (3, 1.5, 0.7)] {
@@ -61,10 +69,10 @@ fn assert_agrees(name: &str, gpu: &Gpu, surface: &Surface, lights: &[HeldLight])
             for (level, light) in
                 (0..levels.levels.len()).flat_map(|level| lights.iter().map(move |light| (level, light)))
             {
-                let believed = method.field(surface, face, level, light).unwrap();
+                let expected = method.field(surface, face, level, light).unwrap();
                 let found = on_device(gpu, &method, terrain, [face, level], light);
-                below += believed.iter().filter(|[elevation_rad, _]| *elevation_rad < -1e-3).count();
-                errors.extend(errors_rad(&believed, &found, swath_rad));
+                below += expected.iter().filter(|[elevation_rad, _]| *elevation_rad < -1e-3).count();
+                errors.extend(errors_rad(&expected, &found, swath_rad));
             }
         }
     }
@@ -109,8 +117,8 @@ fn a_device_on_other_ground_does_not_find_the_hosts_skylines() {
     let [own, other] = [2, 3].map(|seed| moon(cratered(64, 5.0, seed)));
     let [own_method, other_method] = [&own, &other].map(|ground| Multiscale::new(&ground.terrain, 4, 2.0, 0.035));
     let light = light(&own, DVec3::new(0.4, 0.9, 0.1), 1.5e11);
-    let believed = own_method.field(&own, 0, 0, &light).unwrap();
-    let mut errors = errors_rad(&believed, &on_device(gpu, &other_method, &other.terrain, [0, 0], &light), 0.035);
+    let expected = own_method.field(&own, 0, 0, &light).unwrap();
+    let mut errors = errors_rad(&expected, &on_device(gpu, &other_method, &other.terrain, [0, 0], &light), 0.035);
     errors.sort_by(f64::total_cmp);
     assert!(errors[errors.len() / 2] > 100.0 * BOUND_RAD, "{}", errors[errors.len() / 2]);
 }
@@ -122,8 +130,9 @@ fn images_lit_through_the_devices_skylines_are_the_references() {
     for (name, mut scene, mut view) in scenes().into_iter().take(2) {
         let swath_rad = 0.035;
         let method = Multiscale::new(&scene.surface.terrain, 4, 2.0, swath_rad);
-        scene = scene.with_shadows(Shadows::Towards(Box::new(method)));
-        let method = scene.shadows.towards().unwrap();
+        scene = scene.with_shadows(Arc::new(method));
+        let shadows = scene.shadows.clone();
+        let method = shadows.skylines().unwrap();
         assert!(method.on_device(gpu, &scene.surface).unwrap().is_some());
         let sun = view.lights[0].clone();
         let aside =
@@ -134,11 +143,11 @@ fn images_lit_through_the_devices_skylines_are_the_references() {
             compare(&view, &Renderer::Reference.samples(&scene, &view).unwrap(), &session.samples(&view).unwrap());
         assert!(agreement.radiance >= 0.999, "{name}: {agreement:?}");
 
-        let lights = view.held_lights();
-        let believed = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
+        let lights = view.quantized_lights();
+        let expected = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
         let read = session.skylines().unwrap();
         for (light, level) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let fields = [&believed, &read].map(|skylines| skylines.field(light, 0, level));
+            let fields = [&expected, &read].map(|skylines| skylines.field(light, 0, level));
             let worst_rad = errors_rad(fields[0], fields[1], swath_rad).into_iter().fold(0.0, f64::max);
             assert!(worst_rad < BOUND_RAD, "{name}, light {light}, level {level}: {worst_rad} rad");
         }

@@ -2,14 +2,16 @@
 
 use std::collections::BTreeSet;
 use std::process::Command;
+use std::sync::Arc;
 
 use glam::DQuat;
 use perilune_engine::camera::{Camera as Optics, Detector};
 use perilune_engine::geometry::Position;
 use perilune_engine::horizon::Encoding;
 use perilune_engine::photometry::{Hapke, Reflectance};
-use perilune_engine::render::{AlbedoRole, Image, Kept, Light, Quantity, Renderer, Scene, Session, Shadows, View};
-use perilune_engine::shadow::Baked;
+use perilune_engine::render::{AlbedoRole, Image, Kept, Light, Quantity, Renderer, Scene, Session, View};
+use perilune_engine::shadow::horizon_maps::HorizonMaps;
+use perilune_engine::shadow::registry;
 
 use super::skylines::nested;
 
@@ -24,7 +26,8 @@ fn scene() -> (Scene, View) {
     };
     let faces = &scene.surface.terrain.faces;
     let albedo = faces.iter().map(|face| face.levels.iter().map(even).collect()).collect();
-    let scene = scene.with_shadows(Shadows::Baked(Baked(maps))).with_albedo(albedo, AlbedoRole::SingleScattering);
+    let scene =
+        scene.with_shadows(Arc::new(HorizonMaps::at_nodes(maps))).with_albedo(albedo, AlbedoRole::SingleScattering);
     (scene, sized(view, SIDE))
 }
 
@@ -110,7 +113,7 @@ fn views_of_a_session_come_out_as_if_rendered_alone() {
 #[test]
 fn another_scene_in_another_session_of_a_renderer_is_another_scene() {
     let (scene, view) = scene();
-    let bare = Scene { albedo: None, ..scene.clone() }.with_shadows(Shadows::None);
+    let bare = Scene { albedo: None, ..scene.clone() }.with_shadows(registry::no_shadows());
     for renderer in renderers() {
         let [mut first, mut second] = [&scene, &bare].map(|scene| renderer.session(scene).unwrap());
         let render = |session: &mut Session| bits(&session.render(&view).unwrap());
@@ -170,7 +173,7 @@ fn render_a_thousand() {
     let (scene, view) = scene();
     let laws = [Reflectance::LunarLambert { normal_albedo: 0.1 }, Reflectance::Lambert { normal_albedo: 0.1 }];
     // The reference renderer finds skylines anew for every view; ground without shadows is as good here.
-    let plain = scene.clone().with_shadows(Shadows::None);
+    let plain = scene.clone().with_shadows(registry::no_shadows());
     for (renderer, scene) in renderers().into_iter().zip([&plain, &scene]) {
         let mut session = renderer.session(scene).unwrap();
         let mut kept = Kept::default();

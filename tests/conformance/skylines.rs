@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use perilune_engine::horizon::{Encoding, HorizonMap, Memory, Settings};
 use perilune_engine::pipeline::{self, Silent, ground};
 use perilune_engine::render::reference;
-use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::render::{Renderer, Samples, Scene, View};
+use perilune_engine::shadow::horizon_maps::HorizonMaps;
 use perilune_engine::shadow::skylines::Field;
-use perilune_engine::shadow::{Baked, HeldLight, OutsideSwath, Skylines, Towards};
+use perilune_engine::shadow::{QuantizedLight, ShadowMethod, SkylineSource, Skylines, UnpreparedLight, registry};
 use perilune_engine::terrain::Surface;
 
 use super::render::{compare, scenes};
@@ -34,17 +35,44 @@ fn differences(a: &Samples, b: &Samples) -> (f32, f32) {
     (sizes.iter().copied().fold(0.0, f32::max), sizes.iter().sum::<f32>() / sizes.len() as f32)
 }
 
+/// Skylines of a method, found on the host.
+#[derive(Debug)]
+struct Sent(Arc<dyn ShadowMethod>);
+
+impl ShadowMethod for Sent {
+    fn name(&self) -> &'static str {
+        "sent"
+    }
+
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for Sent {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
+        self.0.skylines().unwrap().field(surface, face, level, light)
+    }
+}
+
 #[test]
 fn skylines_baked_on_the_device_light_what_the_reference_lights() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene = scene.with_shadows(Shadows::Baked(Baked(maps.clone())));
+    scene = scene.with_shadows(Arc::new(HorizonMaps::at_nodes(maps)));
     let reference = Renderer::Reference.samples(&scene, &view).unwrap();
     let pass = Renderer::on(gpu).samples(&scene, &view).unwrap();
     let agreement = compare(&view, &reference, &pass);
     assert!(agreement.radiance >= 0.999, "{agreement:?}");
     // The same fields found on the host and sent.
-    scene = scene.with_shadows(Shadows::Towards(Box::new(Baked(maps))));
+    let baked = scene.shadows.clone();
+    scene = scene.with_shadows(Arc::new(Sent(baked)));
     let sent = Renderer::on(gpu).samples(&scene, &view).unwrap();
     assert!(compare(&view, &reference, &sent).radiance >= 0.999);
 }
@@ -56,12 +84,12 @@ fn baking_changes_no_share_of_the_sun_that_matters() {
     // disc. Coefficients at reduced resolution are smoothed again: there the mean says that little changes.
     for (encoding, allowed) in [(Encoding::F16, (2e-3, 1e-4)), (Encoding::Fm16, (1.0, 3e-3))] {
         let (mut scene, view, maps) = nested(encoding);
-        scene = scene.with_shadows(Shadows::Fourier(maps.clone()));
+        scene = scene.with_shadows(registry::of_maps(maps.clone()));
         let direct = Renderer::Reference.samples(&scene, &view).unwrap();
-        scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
+        scene = scene.with_shadows(Arc::new(HorizonMaps::at_nodes(maps)));
         let (largest, mean) = differences(&direct, &Renderer::Reference.samples(&scene, &view).unwrap());
         assert!(largest < allowed.0 && mean < allowed.1, "{encoding:?}: {largest} {mean}");
-        scene = scene.with_shadows(Shadows::None);
+        scene = scene.with_shadows(registry::no_shadows());
         let (largest, mean) = differences(&direct, &Renderer::Reference.samples(&scene, &view).unwrap());
         assert!(largest > 0.9 && mean > 0.1, "the comparison sees no shadows at all: {largest} {mean}");
     }
@@ -71,7 +99,7 @@ fn baking_changes_no_share_of_the_sun_that_matters() {
 fn a_session_bakes_anew_when_the_sun_has_moved() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
+    scene = scene.with_shadows(Arc::new(HorizonMaps::at_nodes(maps)));
     let mut moved = view.clone();
     let sun_m = moved.lights[0].position.vector_m();
     moved.lights[0].position = perilune_engine::geometry::Position::from_m(glam::DQuat::from_rotation_z(0.1) * sun_m);
@@ -88,16 +116,28 @@ fn a_session_bakes_anew_when_the_sun_has_moved() {
 /// Counts how often a level's skylines are found.
 #[derive(Debug)]
 struct Counted {
-    baked: Baked,
+    baked: HorizonMaps,
     found: Arc<AtomicUsize>,
 }
 
-impl Towards for Counted {
+impl ShadowMethod for Counted {
     fn name(&self) -> &'static str {
         "counted"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for Counted {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
         self.found.fetch_add(1, Ordering::Relaxed);
         self.baked.field(surface, face, level, light)
     }
@@ -109,7 +149,7 @@ fn labels_use_the_skylines_that_the_session_found() {
     let (mut scene, view, maps) = nested(Encoding::Fm16);
     let found = Arc::new(AtomicUsize::new(0));
     let levels: usize = maps.iter().map(Vec::len).sum();
-    scene = scene.with_shadows(Shadows::Towards(Box::new(Counted { baked: Baked(maps), found: found.clone() })));
+    scene = scene.with_shadows(Arc::new(Counted { baked: HorizonMaps::at_nodes(maps), found: found.clone() }));
     let mut session = Renderer::on(gpu).session(&scene).unwrap();
     session.samples(&view).unwrap();
     assert_eq!(found.load(Ordering::Relaxed), levels * view.lights.len());
@@ -126,19 +166,20 @@ fn labels_use_the_skylines_that_the_session_found() {
 fn skylines_baked_on_the_device_are_read_back_where_they_belong() {
     let Some(gpu) = super::gpu() else { return };
     let (mut scene, view, maps) = nested(Encoding::Fm16);
-    scene = scene.with_shadows(Shadows::Baked(Baked(maps)));
+    scene = scene.with_shadows(Arc::new(HorizonMaps::at_nodes(maps)));
     let mut session = Renderer::on(gpu).session(&scene).unwrap();
     session.samples(&view).unwrap();
     let read = session.skylines().unwrap();
-    let method = scene.shadows.towards().unwrap();
-    let lights = view.held_lights();
-    let believed = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
+    let shadows = scene.shadows.clone();
+    let method = shadows.skylines().unwrap();
+    let lights = view.quantized_lights();
+    let expected = Skylines::default().towards(&scene.surface, method, &lights).unwrap();
     for light in 0..lights.len() {
         for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
             for level in 0..levels.levels.len() {
-                let [read, believed] = [&read, &believed].map(|skylines| skylines.field(light, face, level));
-                assert_eq!(read.len(), believed.len());
-                let apart = read.iter().zip(believed).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
+                let [read, expected] = [&read, &expected].map(|skylines| skylines.field(light, face, level));
+                assert_eq!(read.len(), expected.len());
+                let apart = read.iter().zip(expected).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
                 assert!(apart < 3e-5, "level {level}: {apart} rad");
             }
         }

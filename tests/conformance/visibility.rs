@@ -1,8 +1,10 @@
 //! Lighting factors of horizon maps: the pass against the reference, and both against the skyline's own line.
 
 use perilune_engine::horizon::{Encoding, HorizonMap};
-use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune_engine::shadow::{At, Lighting, Visibility};
+use perilune_engine::render::{Renderer, Samples, Scene, View};
+use perilune_engine::shadow::horizon_maps::{At, HorizonMaps, Visibility};
+use perilune_engine::shadow::registry;
+use std::sync::Arc;
 
 use super::render::compare;
 use super::skylines::nested;
@@ -16,7 +18,8 @@ const VISIBILITIES: [Visibility; 5] = [
 ];
 
 fn with(scene: &mut Scene, maps: &[Vec<HorizonMap>], visibility: Visibility, at: At) {
-    *scene = scene.clone().with_shadows(Shadows::Lighting(Lighting { maps: maps.to_vec(), visibility, at }));
+    *scene =
+        scene.clone().with_shadows(Arc::new(HorizonMaps { maps: maps.to_vec(), visibility: Some(visibility), at }));
 }
 
 /// RMS difference of the Sun's share.
@@ -42,7 +45,7 @@ fn the_pass_finds_the_lighting_factors_of_the_reference() {
         }
         // The comparison sees where shadows are missing.
         let shadowed = Renderer::Reference.samples(&scene, &view).unwrap();
-        scene = scene.with_shadows(Shadows::None);
+        scene = scene.with_shadows(registry::no_shadows());
         assert!(compare(&view, &shadowed, &Renderer::on(gpu).samples(&scene, &view).unwrap()).radiance < 0.95);
     }
 }

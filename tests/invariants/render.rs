@@ -7,7 +7,8 @@ use perilune_engine::ephemeris::Source;
 use perilune_engine::geometry::{Body, BodyFixed, Direction, Position, Rotation};
 use perilune_engine::horizon::Settings;
 use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M};
-use perilune_engine::render::{Light, Samples, Scene, Shadows, View};
+use perilune_engine::render::{Light, Samples, Scene, View};
+use perilune_engine::shadow::{ShadowMethod, registry};
 use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{self, Grid, map};
@@ -27,7 +28,7 @@ fn view() -> View {
         .with_optics(scenes::pinhole(64, 64, 80.0))
 }
 
-fn hilly(shadows: impl Fn(&Terrain) -> Shadows) -> Scene {
+fn hilly(shadows: impl Fn(&Terrain) -> Arc<dyn ShadowMethod>) -> Scene {
     scenes::scene(terrain()).with_shadows(shadows(&terrain()))
 }
 
@@ -96,7 +97,7 @@ fn a_larger_world_looks_the_same() {
 /// Where the whole disc is seen. Its size enters by the penumbra alone.
 #[test]
 fn twice_the_distance_of_the_sun_is_a_quarter_of_the_radiance() {
-    let scene = hilly(|_| Shadows::None);
+    let scene = hilly(|_| registry::no_shadows());
     let at = |distance_m: f64| {
         let mut view = view();
         let light = &mut view.lights[0];
@@ -124,7 +125,7 @@ fn a_mountain_added_towards_the_sun_brightens_nothing() {
     let mountain = |at: DVec2| hills(at) + 250.0 * (-(at - peak_m).length_squared() / 200f64.powi(2)).exp();
     let optics = scenes::pinhole(24, 24, 60.0);
     let [bare, other] = [terrain(), Grid::square(1200.0, 15.0).terrain(&Body::moon(), mountain)].map(|terrain| {
-        let shadowed = scenes::scene(terrain).with_shadows(Shadows::Traced(Settings::default()));
+        let shadowed = scenes::scene(terrain).with_shadows(registry::reference(Settings::default()));
         scenes::samples(&shadowed, &view().with_optics(optics.clone())).swap_remove(0).1
     });
     let mut darker = 0;

@@ -8,8 +8,9 @@ use perilune_engine::geometry::{Direction, Position};
 use perilune_engine::horizon::Settings;
 use perilune_engine::photometry::{Hapke, Reflectance};
 use perilune_engine::render::reference::irradiance_w_m2;
-use perilune_engine::render::{AlbedoRole, Bounce, Light, Renderer, Scene, Shadows, View, planes};
-use perilune_engine::shadow::{Skylines, Traced};
+use perilune_engine::render::{AlbedoRole, Bounce, Light, Renderer, Scene, View, planes};
+use perilune_engine::shadow::Skylines;
+use perilune_engine::shadow::traced::TracedShadow;
 use perilune_engine::terrain::{Ground, Hit, Terrain};
 
 use crate::conformance::gpu;
@@ -29,10 +30,10 @@ fn sun(elevation_deg: f64) -> Light {
 }
 
 fn with_bounce(terrain: Terrain, azimuths: usize, elevations: usize) -> Scene {
-    let Shadows::Fourier(maps) = scenes::fourier(&terrain) else { unreachable!("they are Fourier's") };
+    let shadows = scenes::fourier(&terrain);
     let scene = scenes::scene(terrain);
-    let bounce = Bounce::new(&scene.surface, &maps, azimuths, elevations);
-    scene.with_shadows(Shadows::Fourier(maps)).with_bounce(bounce)
+    let bounce = Bounce::new(&scene.surface, shadows.maps().unwrap(), azimuths, elevations);
+    scene.with_shadows(shadows).with_bounce(bounce)
 }
 
 /// Straight down from a height, onto the map's centre.
@@ -99,7 +100,7 @@ fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
     let start = hit(lifted);
     let normal = planes::normal(scene, &start).unit();
     let (x, y) = normal.any_orthonormal_pair();
-    let shadow = Traced { surface: &scene.surface, settings: Settings::default() };
+    let shadow = TracedShadow { surface: &scene.surface, settings: Settings::default() };
     let above = Position::from_m(start.position.vector_m() + 0.02 * normal);
     let mut sum = 0.0;
     for ring in 0..rings {

@@ -7,8 +7,8 @@ use perilune_engine::geometry::{Body, Position};
 use perilune_engine::labels::{Footprint, Hazards, Limits, footprint, footprint_in_space, shadow_change};
 use perilune_engine::render::planes::Radiometry;
 use perilune_engine::render::reference;
-use perilune_engine::render::{Quantity, Renderer, Scene, Shadows};
-use perilune_engine::shadow::Skylines;
+use perilune_engine::render::{Quantity, Renderer, Scene};
+use perilune_engine::shadow::{Skylines, registry};
 use perilune_engine::terrain::{Hit, Surface};
 
 use crate::scenes::{Grid, flat_body, map, nadir, pinhole, scene, sun};
@@ -104,7 +104,7 @@ fn shaded() -> (Scene, perilune_engine::render::View) {
     let body = flat_body();
     let terrain = Grid::square(200.0, 1.0).terrain(&body, |at_m| if at_m.x > 20.0 { 20.0 } else { 0.0 });
     let map = map(&body);
-    let scene = scene(terrain).with_shadows(Shadows::Traced(Default::default()));
+    let scene = scene(terrain).with_shadows(registry::reference(Default::default()));
     // 60 pixels of 1 m, from −30 to +30 m.
     let view = nadir(&map, DVec2::ZERO, 60.0, sun(&map, TAU / 4.0, TAU / 8.0))
         .with_optics(pinhole(60, 1, 60.0))

@@ -6,8 +6,8 @@ use glam::{DMat3, DVec2, DVec3};
 use perilune_engine::camera::{Camera as Optics, Distortion};
 use perilune_engine::geometry::{Body, Direction, Geodetic, Rotation};
 use perilune_engine::labels::{Crater, Ellipse, Landmark, Origin, Rim, Wanted, landmarks};
-use perilune_engine::render::{Scene, Shadows, View, reference};
-use perilune_engine::shadow::Skylines;
+use perilune_engine::render::{Scene, View, reference};
+use perilune_engine::shadow::{Skylines, registry};
 use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{Grid, bare, flat_body, map, nadir, pinhole, scene, sun};
@@ -219,7 +219,7 @@ fn at(body: &Body, at_m: DVec2) -> Geodetic {
 #[test]
 fn a_ridge_hides_the_crater_behind_it_and_shades_the_one_before_it() {
     let (body, terrain) = walled();
-    let scene = scene(terrain).with_shadows(Shadows::Traced(Default::default()));
+    let scene = scene(terrain).with_shadows(registry::reference(Default::default()));
     // The camera is west of the wall, 300 m high; the Sun is in the east, 20° high: shadows of 550 m to the west.
     let view = looking(&body, DVec3::new(-1000.0, 0.0, 300.0), DVec2::new(0.0, 0.0));
     let lights = vec![sun(&map(&body), TAU / 4.0, 20f64.to_radians())];

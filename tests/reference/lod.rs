@@ -9,8 +9,9 @@ use perilune_engine::horizon::Encoding;
 use perilune_engine::pipeline::globe::{Globe, Options};
 use perilune_engine::pipeline::{self, Prepared, Silent};
 use perilune_engine::raster::{self, Dem};
-use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
+use perilune_engine::render::{Quantity, Renderer, Scene, View};
 use perilune_engine::scenario::{self, Scenario, SearchPath};
+use perilune_engine::shadow::registry;
 use perilune_engine::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
 use tempfile::TempDir;
 
@@ -110,7 +111,7 @@ fn resolved(folder: &TempDir, place: [f64; 3], terrain: &str, horizon: &str, cam
             title: "Tiles from above",
             terrain: (dems: [Globe({terrain})]),
             horizon: Settings({horizon}),
-            shadows: Fourier,
+            shadows: HorizonMaps(),
             trajectory: Waypoints(points: [
                 (t_s: 0, latitude_deg: {latitude_deg}, longitude_deg: {longitude_deg}, height_m: {height_m}),
             ]),
@@ -232,7 +233,7 @@ fn shadows_fall_across_tiles_and_faces_as_on_the_ground_itself() {
         assert!(found.radiance >= 0.999 && found.range < 1e-4, "{found:?}");
     }
     // Without horizons only the ground's own slope shades it.
-    scene = scene.with_shadows(Shadows::None);
+    scene = scene.with_shadows(registry::no_shadows());
     let unshadowed = agreement(&truth, &prepared, &scene, 0.0);
     assert!(unshadowed.share < 0.99, "{unshadowed:?}");
 }
@@ -269,7 +270,7 @@ fn shadows_of_the_real_moon_are_as_right_beside_borders_as_elsewhere() {
         let (prepared, mut scene) = ready(&scenario, &folder.path().join("cache"));
         let found = agreement(&truth, &prepared, &scene, 6.0);
         println!("{}: {found:?}", prepared.ground.globe.as_ref().unwrap().summary());
-        scene = scene.with_shadows(Shadows::None);
+        scene = scene.with_shadows(registry::no_shadows());
         let unshadowed = agreement(&truth, &prepared, &scene, 6.0);
         println!("{unshadowed:?}");
         assert!(found.pixels > 10_000 && found.in_cast_shadow > 3000, "{found:?}");

@@ -3,8 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
-use perilune_engine::render::Shadows;
-use perilune_engine::shadow::Multiscale;
+use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::sky::{AllRound, FromMaps, Harmonic, Harmonics, Wedges, share, wedge};
 use perilune_engine::terrain::Surface;
 
@@ -79,11 +78,12 @@ fn both_ways_to_the_sky_agree_with_a_bowl() {
     };
     let grid = Grid::square(1200.0, 20.0);
     let terrain = grid.terrain(&flat_body(), bowl);
-    let Shadows::Fourier(maps) = scenes::fourier(&terrain) else { unreachable!() };
+    let method = scenes::fourier(&terrain);
+    let maps = method.maps().unwrap();
     let surface = Surface::new(terrain);
     let expected = rim_m * rim_m / (rim_m * rim_m + depth_m * depth_m);
     let middle = [grid.columns / 2; 2];
-    let from_maps = FromMaps { maps: &maps, azimuths: 32 }.share(&surface, [0, 0], middle);
+    let from_maps = FromMaps { maps, azimuths: 32 }.share(&surface, [0, 0], middle);
     let harmonic = |k: u32, o: f64| {
         Harmonic::new(Multiscale::new(&surface.terrain, k, o, 0.0), 16).share(&surface, [0, 0], middle)
     };

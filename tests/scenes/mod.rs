@@ -1,15 +1,19 @@
 //! Small scenes with closed forms, and whoever can render them.
 
+use std::sync::Arc;
+
 pub use perilune_bench::stability::scenes::*;
 use perilune_engine::horizon::{self, Encoding, Request, Settings};
-use perilune_engine::render::{Renderer, Samples, Scene, Shadows, View};
-use perilune_engine::shadow::{Edge, SingleAzimuth, Swept};
+use perilune_engine::render::View;
+use perilune_engine::render::{Renderer, Samples, Scene};
+use perilune_engine::shadow::towards_sun::{Edge, SingleAzimuth, Swept};
+use perilune_engine::shadow::{ShadowMethod, registry};
 use perilune_engine::terrain::{Face, Terrain};
 
 use crate::conformance::gpu;
 
 /// Horizon maps as the engine builds them.
-pub fn fourier(terrain: &Terrain) -> Shadows {
+pub fn fourier(terrain: &Terrain) -> Arc<dyn ShadowMethod> {
     let directory = tempfile::tempdir().unwrap();
     let settings = Settings { azimuths: 120, ..Settings::default() };
     let of_level = |face: &Face, level: usize| {
@@ -17,23 +21,20 @@ pub fn fourier(terrain: &Terrain) -> Shadows {
         horizon::build(&request, directory.path(), &|_, _| ()).unwrap()
     };
     let of_face = |face: &Face| (0..face.levels.len()).map(|level| of_level(face, level)).collect();
-    Shadows::Fourier(terrain.faces.iter().map(of_face).collect())
+    registry::of_maps(terrain.faces.iter().map(of_face).collect())
 }
 
 /// Methods that find skylines towards a light without horizon maps.
-pub fn towards() -> [Shadows; 2] {
+pub fn towards() -> [Arc<dyn ShadowMethod>; 2] {
     let settings = Settings::default();
     let sweep = Swept { settings, step_rad: 0.15_f64.to_radians() };
-    [
-        Shadows::Towards(Box::new(sweep)),
-        Shadows::Towards(Box::new(SingleAzimuth { settings, spacing: 1.0, edge: Edge::Sloped })),
-    ]
+    [Arc::new(sweep), Arc::new(SingleAzimuth { settings, spacing: 1.0, edge: Edge::Sloped })]
 }
 
 /// The same scene with traced shadows, with horizon maps, and with skylines towards the light.
 pub fn shadowed(terrain: Terrain) -> Vec<Scene> {
     let maps = fourier(&terrain);
-    [Shadows::Traced(Settings::default()), maps]
+    [registry::reference(Settings::default()), maps]
         .into_iter()
         .chain(towards())
         .map(|shadows| scene(terrain.clone()).with_shadows(shadows))
@@ -44,7 +45,8 @@ pub fn shadowed(terrain: Terrain) -> Vec<Scene> {
 /// that are found on the host are the same in both; `conformance` sees to that.
 pub fn samples(scene: &Scene, view: &View) -> Vec<(&'static str, Samples)> {
     let mut all = vec![("reference", Renderer::Reference.samples(scene, view).unwrap())];
-    if !matches!(*scene.shadows, Shadows::Traced(_) | Shadows::Towards(_))
+    if scene.shadows.runs_on_device()
+        && scene.shadows.skylines().is_none()
         && let Some(gpu) = gpu()
     {
         all.push(("pass", Renderer::on(gpu).samples(scene, view).unwrap()));

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::methods::{Workshop, outside_domain};
+use super::methods::{MethodFactory, outside_domain};
 use super::truth::{ERRORS, Truth};
 use super::{Options, Trial, comparable, picture, traced_settings, trial};
 use crate::step_cache::StepCache;
@@ -144,14 +144,18 @@ impl<'a> Bench<'a> {
     ) -> Result<Found, Error> {
         let view = self.turn_sun(elevation_deg)?;
         let Self { options, scenario, prepared, scene, gpu, .. } = self;
-        let workshop =
-            Workshop { prepared, settings: traced_settings(scenario), maps: self.maps.clone(), cache: &options.cache };
+        let factory = MethodFactory {
+            prepared,
+            settings: traced_settings(scenario),
+            maps: self.maps.clone(),
+            cache: &options.cache,
+        };
         progress.begin(&format!("traced, Sun at {elevation_deg}°"), 1, "image");
-        let truth = Truth::of(scene, &view, &workshop)?;
+        let truth = Truth::of(scene, &view, &factory)?;
         let mut found = Found::default();
         for method in &options.methods {
             progress.begin(&format!("{method}, Sun at {elevation_deg}°"), 1, "image");
-            let measured = match measure(method, scene, &view, &workshop, (gpu.as_ref(), self.repeat), progress) {
+            let measured = match measure(method, scene, &view, &factory, (gpu.as_ref(), self.repeat), progress) {
                 Ok(measured) => measured,
                 Err(error) => {
                     let why = outside_domain(method, error)?;
@@ -210,12 +214,12 @@ fn measure(
     method: &str,
     scene: &mut Scene,
     view: &View,
-    workshop: &Workshop,
+    factory: &MethodFactory,
     (gpu, repeat): (Option<&Gpu>, usize),
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
     let start = Instant::now();
-    *scene = scene.clone().with_shadows(workshop.shadows(method, progress)?);
+    *scene = scene.clone().with_shadows(factory.method(method, progress)?);
     let mut session = Renderer::on_any(gpu).session(scene)?;
     let first = trial(method.into(), &mut session, view)?;
     let all_s = start.elapsed().as_secs_f64();
@@ -231,7 +235,7 @@ fn measure(
         trial: frames.swap_remove(0),
         preparation_s: (all_s - frame_s).max(0.0),
         frame_s: [least_s, frame_s, most_s],
-        bytes_per_node: workshop.bytes_per_node(&scene.shadows),
+        bytes_per_node: factory.bytes_per_node(scene.shadows.as_ref()),
         horizon_rms_deg: scene.shadows.maps().and_then(horizon_rms_deg),
     })
 }

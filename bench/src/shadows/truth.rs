@@ -5,13 +5,14 @@
 
 use glam::DVec2;
 
-use super::methods::Workshop;
+use super::methods::MethodFactory;
 use super::{Comparison, Trial, compare, level_of, trial};
 use crate::{Error, Value};
 use perilune_engine::image_metrics::{Grid, edges, flip, ssim};
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
+use perilune_engine::render::{Quantity, Renderer, Scene, View};
 use perilune_engine::scenario::Scenario;
+use perilune_engine::shadow::registry;
 use perilune_engine::statistics::{Errors, median};
 
 /// Columns of what [`Truth::errors`] gives.
@@ -39,8 +40,8 @@ pub(super) struct Truth {
 
 impl Truth {
     /// Renders it.
-    pub(super) fn of(scene: &Scene, view: &View, workshop: &Workshop) -> Result<Self, Error> {
-        let scene = scene.clone().with_shadows(Shadows::Traced(workshop.settings));
+    pub(super) fn of(scene: &Scene, view: &View, factory: &MethodFactory) -> Result<Self, Error> {
+        let scene = scene.clone().with_shadows(registry::reference(factory.settings));
         let asked = view.clone().with_quantities([Quantity::DemGap]);
         let trial = trial("traced, reference".into(), &mut Renderer::Reference.session(&scene)?, &asked)?;
         let centres = &trial.samples.centres;

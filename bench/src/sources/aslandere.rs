@@ -21,8 +21,9 @@ use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::render::RenderError;
-use perilune_engine::shadow::skylines::{Feet, Field};
-use perilune_engine::shadow::{Edge, HeldLight, SingleAzimuth, Swept, Towards};
+use perilune_engine::shadow::skylines::Field;
+use perilune_engine::shadow::towards_sun::{Edge, SingleAzimuth, Swept};
+use perilune_engine::shadow::{QuantizedLight, SkylineSource, SurfacePoints};
 use perilune_engine::terrain::{Surface, Terrain};
 
 /// Nodes a side; frames per second of the method and of 16 azimuths on a Quadro 6000, and seconds before the first.
@@ -92,7 +93,7 @@ fn speeds(
     let scene = Scene::synthetic(nodes, 1)?;
     let surface = Surface::new(Terrain { body: scene.body.clone(), faces: vec![scene.face.clone()] });
     let light = sun(&scene.face.map, AZIMUTH_RAD, ELEVATION_DEG.to_radians());
-    let light = HeldLight::new(light.position, light.angular_radius_rad);
+    let light = QuantizedLight::new(light.position, light.angular_radius_rad);
     let settings = Settings::default();
 
     progress.begin(&format!("raw16 of {nodes}²"), 1, "tile");
@@ -126,7 +127,7 @@ fn speeds(
 }
 
 /// Skylines of all nodes towards the light at the map's centre.
-fn decoded(map: &HorizonMap, surface: &Surface, light: &HeldLight) -> Field {
+fn decoded(map: &HorizonMap, surface: &Surface, light: &QuantizedLight) -> Field {
     let face = &surface.terrain.faces[0];
     let middle = face.levels[0].lifted_node(face.levels[0].columns / 2, face.levels[0].rows / 2);
     let decoder = Decoder::new(map, &[light.from(&face.map, middle).0]);
@@ -135,15 +136,15 @@ fn decoded(map: &HorizonMap, surface: &Surface, light: &HeldLight) -> Field {
 }
 
 /// Share of nodes, every few looked at, that a field lights and tracing does not, or the other way round.
-fn wrong(scene: &Scene, light: &HeldLight, field: &Field) -> f64 {
-    let feet = Feet::of(&scene.face.levels[0]);
+fn wrong(scene: &Scene, light: &QuantizedLight, field: &Field) -> f64 {
+    let points = SurfacePoints::of(&scene.face.levels[0]);
     let tracer = Tracer::new(&scene.face, &Settings::default());
-    let looked_at: Vec<usize> = (0..feet.count()).step_by(feet.count() / 4000 + 1).collect();
+    let looked_at: Vec<usize> = (0..points.count()).step_by(points.count() / 4000 + 1).collect();
     let is_wrong = |&&node: &&usize| {
-        let foot = feet.lifted(node);
-        let aim = light.aim(&scene.face.map, foot);
-        let truth_rad = tracer.skyline(foot, aim.towards).elevation_rad;
-        (truth_rad < aim.elevation_rad) != (f64::from(field[node][0]) < aim.elevation_rad)
+        let point = points.lifted(node);
+        let pointing = light.pointing(&scene.face.map, point);
+        let truth_rad = tracer.skyline(point, pointing.towards).elevation_rad;
+        (truth_rad < pointing.elevation_rad) != (f64::from(field[node][0]) < pointing.elevation_rad)
     };
     looked_at.par_iter().filter(is_wrong).count() as f64 / looked_at.len() as f64
 }

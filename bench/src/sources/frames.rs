@@ -9,6 +9,7 @@
 //! Fritsch et al. (2025), doi:10.2312/hpg.20251171, section 4.3. Jung, Schrempf & Son (2020), Optimally fast soft shadows
 //! on curved terrain with dynamic programming and maximum mipmaps, section 7.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DQuat, DVec2, DVec3};
@@ -25,10 +26,9 @@ use perilune_engine::gpu::Gpu;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::render::planes::Radiometry;
-use perilune_engine::render::{Quantity, Renderer, Scene, Shadows, View};
-use perilune_engine::scenario::{self, ShadowPreset};
-use perilune_engine::shadow::Mipmaps;
-use perilune_engine::terrain::{Ground as Kind, Terrain};
+use perilune_engine::render::{Quantity, Renderer, Scene, View};
+use perilune_engine::shadow::{Ingredients, ShadowMethod, registry};
+use perilune_engine::terrain::{Ground as Kind, Surface, Terrain};
 
 const SUN_DEG: f64 = 6.0;
 const AZIMUTH_RAD: f64 = 0.7;
@@ -40,65 +40,36 @@ const HALF_WIDTH: f64 = 0.5;
 /// The image whose errors are measured.
 const SMALL: [u32; 2] = [160, 90];
 
-/// Shadows of horizon maps by face and level.
-type Make = Box<dyn Fn(&[Vec<HorizonMap>]) -> Shadows>;
-
-/// A method, and what the papers print: milliseconds.
+/// A method by its name in the registry, what the papers call it, and what they print: milliseconds.
 struct Method {
-    name: String,
-    shadows: Make,
+    name: &'static str,
+    called: &'static str,
     printed_ms: [f64; 2],
 }
 
-/// Milliseconds on a notebook (RTX 2050) and a desktop computer (RTX 4090), in the order of [`ShadowPreset::ALL`].
-const PRESETS_MS: [[f64; 2]; 8] = [
-    [1.21, 0.107],
-    [2.45, 0.204],
-    [4.07, 0.297],
-    [5.48, 0.363],
-    [9.98, 0.659],
-    [14.7, 0.535],
-    [18.6, 0.684],
-    [21.2, 0.823],
+/// What is compared with the papers' methods.
+const OURS: Method = Method { name: "fourier", called: "Fourier (ours)", printed_ms: [f64::NAN; 2] };
+
+/// Fritsch's presets; milliseconds on a notebook (RTX 2050) and a desktop computer (RTX 4090).
+const PRESETS: [Method; 9] = [
+    Method { name: "preset-None", called: "None", printed_ms: [1.21, 0.107] },
+    Method { name: "preset-Low", called: "Low", printed_ms: [2.45, 0.204] },
+    Method { name: "preset-Medium", called: "Medium", printed_ms: [4.07, 0.297] },
+    Method { name: "preset-MediumFrag", called: "MediumFrag", printed_ms: [5.48, 0.363] },
+    Method { name: "preset-High", called: "High", printed_ms: [9.98, 0.659] },
+    Method { name: "preset-VeryHighX3", called: "VeryHighX3", printed_ms: [14.7, 0.535] },
+    Method { name: "preset-VeryHighX5", called: "VeryHighX5", printed_ms: [18.6, 0.684] },
+    Method { name: "preset-VeryHighX7", called: "VeryHighX7", printed_ms: [21.2, 0.823] },
+    OURS,
 ];
 
-fn presets() -> Vec<Method> {
-    let preset = |(preset, printed_ms): (ShadowPreset, [f64; 2])| Method {
-        name: format!("{preset:?}"),
-        shadows: Box::new(move |maps| match preset.shadows() {
-            scenario::Shadows::Series { visibility, coefficients, at } => {
-                perilune_engine::pipeline::scene::series(maps.to_vec(), visibility, coefficients, at)
-            }
-            _ => Shadows::None,
-        }),
-        printed_ms,
-    };
-    let ours = Method {
-        name: "Fourier (ours)".into(),
-        shadows: Box::new(|maps| Shadows::Fourier(maps.to_vec())),
-        printed_ms: [f64::NAN; 2],
-    };
-    ShadowPreset::ALL.into_iter().zip(PRESETS_MS).map(preset).chain([ours]).collect()
-}
-
 /// Uniform stepping first, which the others are compared with; milliseconds on a GTX 970M, then none.
-fn searches() -> Vec<Method> {
-    let search = |name: &str, method: Mipmaps, printed_ms: f64| Method {
-        name: name.into(),
-        shadows: Box::new(move |_| Shadows::Mipmaps(method.clone())),
-        printed_ms: [printed_ms, f64::NAN],
-    };
-    vec![
-        search("100 uniform steps", Mipmaps::uniform(100, 1.0), 18.2),
-        search("{5, 5, 5}", Mipmaps::of(&[5, 5, 5]), 5.4),
-        search("{5, 5, 5, 3}", Mipmaps::of(&[5, 5, 5, 3]), 6.2),
-        Method {
-            name: "Fourier (ours)".into(),
-            shadows: Box::new(|maps| Shadows::Fourier(maps.to_vec())),
-            printed_ms: [f64::NAN; 2],
-        },
-    ]
-}
+const SEARCHES: [Method; 4] = [
+    Method { name: "uniform-100", called: "100 uniform steps", printed_ms: [18.2, f64::NAN] },
+    Method { name: "mipmaps-5-5-5", called: "{5, 5, 5}", printed_ms: [5.4, f64::NAN] },
+    Method { name: "mipmaps-5-5-5-3", called: "{5, 5, 5, 3}", printed_ms: [6.2, f64::NAN] },
+    OURS,
+];
 
 /// Fritsch's table 3, Jung's figure 13 and table 2.
 pub fn tables(options: &Options, gpu: Option<&Gpu>, progress: &dyn Progress) -> Result<Vec<Table>, Error> {
@@ -120,7 +91,7 @@ pub fn tables(options: &Options, gpu: Option<&Gpu>, progress: &dyn Progress) -> 
         ],
     );
     let sizes = if options.quick { [[640, 360], [512, 512]] } else { [[1920, 1080], [512, 512]] };
-    fritsch.rows = set.rows(&presets(), sizes[0], options, gpu, progress)?;
+    fritsch.rows = set.rows(&PRESETS, sizes[0], options, gpu, progress)?;
     let columns = [
         ("search", ""),
         ("frame", "ms"),
@@ -139,7 +110,7 @@ pub fn tables(options: &Options, gpu: Option<&Gpu>, progress: &dyn Progress) -> 
         ("jung_2", "Jung 2020, table 2: 512×512 (paper, {5, 5, 5}: 185 Hz at 1920×1080, 402 Hz at 512²)", sizes[1]),
     ] {
         let mut table = Table::new(name, title, &columns);
-        table.rows = set.rows(&searches(), size, options, gpu, progress)?;
+        table.rows = set.rows(&SEARCHES, size, options, gpu, progress)?;
         // One machine only, and one size.
         for row in &mut table.rows {
             if name == "jung_2" {
@@ -172,7 +143,7 @@ impl Set {
         let request = Request { body: &ground.body, face: &ground.face, level: 0, settings, encoding: Encoding::Fm16 };
         let maps = vec![vec![horizon::build(&request, &folder.path, &|_, _| ())?]];
         let mut set = Self { terrain, maps, truth: Vec::new(), on_ground: Vec::new() };
-        let scene = set.scene(Shadows::Traced(Settings::default()));
+        let scene = set.scene(registry::reference(Settings::default()));
         let view = set.view(SMALL, 0.0).with_quantities([Quantity::DemGap]);
         let samples = Renderer::Reference.samples(&scene, &view)?;
         let is_ground = |hit: &Option<perilune_engine::terrain::Hit>| {
@@ -183,8 +154,24 @@ impl Set {
         Ok(set)
     }
 
-    fn scene(&self, shadows: Shadows) -> Scene {
+    fn scene(&self, shadows: Arc<dyn ShadowMethod>) -> Scene {
         scene(self.terrain.clone()).with_shadows(shadows)
+    }
+
+    /// A method of the registry.
+    fn method(&self, name: &str) -> Result<Arc<dyn ShadowMethod>, Error> {
+        let unknown = || Error::Method { got: name.into(), allowed: "names of the registry".into() };
+        let options = registry::named(name).ok_or_else(unknown)?;
+        let folder = Scratch::new()?;
+        let prepared = options.prepare(Ingredients {
+            surface: &Surface::new(self.terrain.clone()),
+            settings: Settings::default(),
+            lights: &[self.view(SMALL, 0.0).quantized_lights()],
+            maps: self.maps.clone(),
+            folder: &folder.path,
+            progress: &|_, _, _| (),
+        });
+        prepared.map_err(|error| perilune_engine::pipeline::Error::from(error).into())
     }
 
     /// Obliquely towards map +Y, the Sun turned a little about the pole.
@@ -218,12 +205,12 @@ impl Set {
         progress.begin(&format!("frames of {}×{}", size[0], size[1]), methods.len(), "methods");
         let (mut rows, mut first) = (Vec::new(), None);
         for (done, method) in methods.iter().enumerate() {
-            let scene = self.scene((method.shadows)(&self.maps));
+            let scene = self.scene(self.method(method.name)?);
             let tried = Renderer::on_any(gpu).samples(&scene, &self.view(SMALL, 0.0))?;
             let found = compare(&self.truth, &tried.pixels, &self.on_ground, SOLAR_IRRADIANCE_W_M2);
             let [frame_ms, device_ms] = self.timed(gpu, &scene, size, options)?;
             let (base_ms, printed) = *first.get_or_insert((frame_ms, method.printed_ms));
-            let mut row = vec![method.name.as_str().into(), frame_ms.into(), device_ms.into()];
+            let mut row = vec![method.called.into(), frame_ms.into(), device_ms.into()];
             row.extend(method.printed_ms.map(Value::from));
             row.push((frame_ms / base_ms).into());
             row.extend([0, 1].map(|machine| Value::from(method.printed_ms[machine] / printed[machine])));

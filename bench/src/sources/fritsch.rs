@@ -22,8 +22,8 @@ use perilune_engine::image_metrics::{Grid, flip, ssim};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::shadow::Visibility;
-use perilune_engine::shadow::visibility::Poise;
+use perilune_engine::shadow::horizon_maps::Visibility;
+use perilune_engine::shadow::horizon_maps::visibility::DiscGeometry;
 use perilune_engine::statistics::quantile;
 
 /// What the figures compare, the baseline first.
@@ -198,11 +198,11 @@ const WAYS: [(&str, Way); 9] = [
 fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<Vec<Value>>, Error> {
     let disk = SolarDisk::new(LimbDarkening::Uniform)?;
     let [elevation_rad, angular_radius_rad] = SOFT_DEG.map(f64::to_radians);
-    let poise = Poise { elevation_rad, angular_radius_rad };
+    let geometry = DiscGeometry { elevation_rad, angular_radius_rad };
     let map = patch.fitted(Encoding::Fm16, |elevation_rad| elevation_rad).map();
     let (every_node, every_sun) = if options.quick { (23, 12) } else { (41, 2) };
     let nodes: Vec<usize> = (0..patch.nodes()).step_by(every_node).collect();
-    let rays = rays(poise);
+    let rays = rays(geometry);
     let suns: Vec<f64> = (0..SUNS).step_by(every_sun).map(|sun| TAU * sun as f64 / SUNS as f64).collect();
     // Squared errors against twenty boxes and the disc, by way, of one Sun.
     let of_sun = |&sun_rad: &f64| {
@@ -210,7 +210,7 @@ fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<V
         for &node in &nodes {
             let whole = |azimuth_rad: f64| (sampled(patch, node, azimuth_rad), 0.0);
             let about = |sine: f64| sun_rad + sine.asin();
-            let boxes = Visibility::Boxes(20).share(&disk, poise, |sine| whole(about(sine)));
+            let boxes = Visibility::Boxes(20).share(&disk, geometry, |sine| whole(about(sine)));
             let seen = rays.iter().filter(|ray| ray[1] > whole(sun_rad + ray[0]).0).count();
             let exact = seen as f64 / RAYS as f64;
             let grid = DVec2::new((node % patch.columns) as f64, (node / patch.columns) as f64);
@@ -218,9 +218,9 @@ fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<V
             for (squares, (_, way)) in squares.iter_mut().zip(WAYS) {
                 let share = match way {
                     Way::Of(visibility) => {
-                        visibility.share(&disk, poise, |sine| series.evaluate_towards(direction(about(sine))))
+                        visibility.share(&disk, geometry, |sine| series.evaluate_towards(direction(about(sine))))
                     }
-                    Way::Printed(boxes) => printed(boxes, poise, &series, sun_rad),
+                    Way::Printed(boxes) => printed(boxes, geometry, &series, sun_rad),
                 };
                 squares[0] += (share - boxes).powi(2);
                 squares[1] += (share - exact).powi(2);
@@ -242,8 +242,8 @@ fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<V
 }
 
 /// Equations 8 to 10 as they are printed.
-fn printed(boxes: u32, poise: Poise, horizon: &Horizon, sun_rad: f64) -> f64 {
-    let Poise { elevation_rad, angular_radius_rad: r } = poise;
+fn printed(boxes: u32, geometry: DiscGeometry, horizon: &Horizon, sun_rad: f64) -> f64 {
+    let DiscGeometry { elevation_rad, angular_radius_rad: r } = geometry;
     let occlusion = (0..boxes).map(|i| {
         let x = r / f64::from(boxes) * f64::from(2 * i + 1) - r;
         (horizon.evaluate_towards(direction(sun_rad + x)).0 - elevation_rad) / (2.0 * (r * r - x * x).sqrt())
@@ -260,12 +260,12 @@ fn sampled(patch: &Patch, node: usize, azimuth_rad: f64) -> f64 {
 }
 
 /// Azimuths from the disc's centre and elevations of rays of equal solid angle.
-fn rays(poise: Poise) -> Vec<[f64; 2]> {
-    let (sin_a, cos_a) = poise.elevation_rad.sin_cos();
+fn rays(geometry: DiscGeometry) -> Vec<[f64; 2]> {
+    let (sin_a, cos_a) = geometry.elevation_rad.sin_cos();
     let (up, level) = (DVec3::new(-sin_a, 0.0, cos_a), DVec3::new(cos_a, 0.0, sin_a));
     let golden_rad = PI * (3.0 - 5f64.sqrt());
     let ray = |i: usize| {
-        let cosine = 1.0 - (i as f64 + 0.5) / RAYS as f64 * (1.0 - poise.angular_radius_rad.cos());
+        let cosine = 1.0 - (i as f64 + 0.5) / RAYS as f64 * (1.0 - geometry.angular_radius_rad.cos());
         let (sin, cos) = (golden_rad * i as f64).sin_cos();
         let ray = cosine * level + (1.0 - cosine * cosine).sqrt() * (cos * up + sin * DVec3::Y);
         [ray.y.atan2(ray.x), ray.z.asin()]
@@ -281,13 +281,13 @@ mod tests {
     /// at its sides, and rays near the zenith count once.
     #[test]
     fn rays_fill_the_disc_evenly() {
-        let poise = Poise { elevation_rad: 0.0, angular_radius_rad: 0.3 };
+        let geometry = DiscGeometry { elevation_rad: 0.0, angular_radius_rad: 0.3 };
         let share =
-            |lit: &dyn Fn(&[f64; 2]) -> bool| rays(poise).iter().filter(|ray| lit(ray)).count() as f64 / RAYS as f64;
+            |lit: &dyn Fn(&[f64; 2]) -> bool| rays(geometry).iter().filter(|ray| lit(ray)).count() as f64 / RAYS as f64;
         assert!((share(&|ray| ray[1] > 0.0) - 0.5).abs() < 0.01);
         assert!((share(&|ray| ray[0] > 0.0) - 0.5).abs() < 0.01);
         // Above half the radius: 0.1955 of a flat disc.
         assert!((share(&|ray| ray[1] > 0.15) - 0.1955).abs() < 0.01);
-        assert!(rays(poise).iter().all(|ray| ray[0].abs() < 0.3001 && ray[1].abs() < 0.3001));
+        assert!(rays(geometry).iter().all(|ray| ray[0].abs() < 0.3001 && ray[1].abs() < 0.3001));
     }
 }

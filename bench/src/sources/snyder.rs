@@ -27,10 +27,11 @@ use perilune_engine::horizon::settings::direction;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::pipeline::Progress;
 use perilune_engine::render::{Light, RenderError};
+use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::multiscale::device::OnDevice;
 use perilune_engine::shadow::sky::{Harmonics, Wedges};
-use perilune_engine::shadow::skylines::{Feet, Skyline};
-use perilune_engine::shadow::{HeldLight, Multiscale};
+use perilune_engine::shadow::skylines::Skyline;
+use perilune_engine::shadow::{FieldMaker, QuantizedLight, SurfacePoints};
 use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::{Level, Terrain};
 
@@ -266,8 +267,8 @@ fn device_s(gpu: &Gpu, terrain: &Terrain) -> Result<Option<f64>, RenderError> {
     let method = Multiscale::new(terrain, 4, 2.0, 2f64.to_radians());
     let Some(device) = OnDevice::new(gpu, &method, terrain)? else { return Ok(None) };
     let Light { position, angular_radius_rad, .. } = sun(&face.map, 0.6, LIGHT_DEG.to_radians());
-    let light = HeldLight::new(position, angular_radius_rad);
-    let fields = gpu.output("skylines", (Feet::of(&face.levels[0]).count() * size_of::<Skyline>()) as u64);
+    let light = QuantizedLight::new(position, angular_radius_rad);
+    let fields = gpu.output("skylines", (SurfacePoints::of(&face.levels[0]).count() * size_of::<Skyline>()) as u64);
     // The driver compiles when it runs a shader for the first time.
     let mut seconds = f64::NAN;
     for _ in 0..2 {

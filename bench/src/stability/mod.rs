@@ -10,7 +10,7 @@
 //! ```
 //!
 //! # Assumptions
-//! Domains: `mipmaps-5-5-5` looks 48 postings far, a swath has at most 64 azimuths, hard shadows have no penumbra. Truth of
+//! A method's domain is its own word ([`perilune_engine::shadow::Domain`]). Truth of
 //! cases without a closed form is the tracer's, which is checked by those with one.
 
 pub mod case;
@@ -23,9 +23,10 @@ use std::path::Path;
 
 use super::{Error, Machine, Report, Table, Value};
 pub use case::{Case, Outcome};
-use methods::{METHODS, Workbench};
+use methods::MethodFactory;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::Progress;
+use perilune_engine::shadow::registry;
 
 /// Outcomes of a case: a row a method, the reference renderer's and the device's.
 type Outcomes = Vec<[Option<Outcome>; 2]>;
@@ -44,7 +45,7 @@ pub fn run(cache: &Path, progress: &dyn Progress) -> Result<Report, Error> {
     }
     Ok(Report {
         name: "stability",
-        title: format!("{} hard cases, {} shadow methods", cases.len(), METHODS.len()),
+        title: format!("{} hard cases, {} shadow methods", cases.len(), registry::hard_case_names().count()),
         machine,
         notes: vec![
             "Numbers are errors over the case's limit: above 1 the method fails. f64: reference renderer, f32: device."
@@ -63,12 +64,12 @@ pub fn run(cache: &Path, progress: &dyn Progress) -> Result<Report, Error> {
 
 /// What becomes of one case under all methods.
 pub fn judge(case: &mut Case, gpu: Option<&Gpu>, cache: &Path) -> Result<Outcomes, Error> {
-    let workbench = Workbench::new(&case.scene.surface, cache)?;
+    let factory = MethodFactory::new(&case.scene.surface, cache)?;
     let mut outcomes = Vec::new();
-    for method in METHODS {
-        let reference = methods::outcome(case, method, None, &workbench)?;
-        let device = match gpu.filter(|_| method != "traced") {
-            Some(gpu) => Some(methods::outcome(case, method, Some(gpu), &workbench)?),
+    for method in registry::hard_case_names() {
+        let reference = methods::outcome(case, method, None, &factory)?;
+        let device = match gpu.filter(|_| registry::named(method).is_some_and(|options| options.runs_on_device())) {
+            Some(gpu) => Some(methods::outcome(case, method, Some(gpu), &factory)?),
             None => None,
         };
         outcomes.push([Some(reference), device]);
@@ -80,7 +81,7 @@ pub fn judge(case: &mut Case, gpu: Option<&Gpu>, cache: &Path) -> Result<Outcome
 fn summary(outcomes: &[Outcomes]) -> Table {
     let columns = [("method", ""), ("numbers", ""), ("pass", ""), ("fail", ""), ("NaN", ""), ("outside", "")];
     let mut table = Table::new("methods", "How many cases each method passes", &columns);
-    for (index, method) in METHODS.iter().enumerate() {
+    for (index, method) in registry::hard_case_names().enumerate() {
         for (renderer, numbers) in ["f64", "f32"].into_iter().enumerate() {
             let found: Vec<_> = outcomes.iter().filter_map(|methods| methods[index][renderer]).collect();
             if found.is_empty() {
@@ -88,7 +89,7 @@ fn summary(outcomes: &[Outcomes]) -> Table {
             }
             let count = |kind: fn(&Outcome) -> bool| Value::from(found.iter().filter(|one| kind(one)).count() as f64);
             table.rows.push(vec![
-                (*method).into(),
+                method.into(),
                 numbers.into(),
                 count(|one| matches!(one, Outcome::Pass(_))),
                 count(|one| matches!(one, Outcome::Fail(_))),
@@ -103,7 +104,7 @@ fn summary(outcomes: &[Outcomes]) -> Table {
 /// Cases down, methods across.
 fn matrix(cases: &[Case], outcomes: &[Outcomes]) -> Table {
     let mut columns = vec![("case", ""), ("numbers", "")];
-    columns.extend(METHODS.iter().map(|method| (*method, "")));
+    columns.extend(registry::hard_case_names().map(|method| (method, "")));
     let mut table = Table::new("matrix", "Error over limit", &columns);
     for (case, methods) in cases.iter().zip(outcomes) {
         for (renderer, numbers) in ["f64", "f32"].into_iter().enumerate() {
@@ -132,13 +133,13 @@ fn list(cases: &[Case], outcomes: &[Outcomes]) -> Table {
     ];
     let mut table = Table::new("cases", "All errors and limits", &columns);
     for (case, methods) in cases.iter().zip(outcomes) {
-        for (method, pair) in METHODS.iter().zip(methods) {
+        for (method, pair) in registry::hard_case_names().zip(methods) {
             for (numbers, outcome) in ["f64", "f32"].into_iter().zip(pair) {
                 let Some(outcome) = outcome else { continue };
                 table.rows.push(vec![
                     f64::from(case.number).into(),
                     case.name.into(),
-                    (*method).into(),
+                    method.into(),
                     numbers.into(),
                     outcome.word().into(),
                     outcome.error().into(),

@@ -1,6 +1,7 @@
 //! A photograph's view, rendered: the true camera over the elevation models, with the shadows asked for.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{DQuat, DVec2, DVec3};
 
@@ -11,8 +12,9 @@ use crate::gpu::{Adapter, Gpu};
 use crate::horizon::{self, Encoding, Memory};
 use crate::photometry::{Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice, Progress, ground};
-use crate::render::{Image, Light, Plane, Quantity, Renderer, Scene, Shadows, View, planes};
+use crate::render::{Image, Light, Plane, Quantity, Renderer, Scene, View, planes};
 use crate::scenario;
+use crate::shadow::{ShadowMethod, registry};
 use crate::terrain::{Ground, Hit, Surface, Terrain};
 
 /// What is rendered besides radiance, once.
@@ -71,10 +73,10 @@ fn footprint(body: &Body, camera: &PosedCamera) -> Vec<Position<BodyFixed>> {
 }
 
 /// Horizon maps of a surface, kept in `cache`.
-pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Result<Shadows, Error> {
+pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Result<Arc<dyn ShadowMethod>, Error> {
     let (settings, folder) = (horizon::Settings::default(), cache.join("horizon"));
     let silent = |_: &ground::Tile| Ok::<_, pipeline::Error>(());
-    Ok(Shadows::Fourier(ground::horizons(
+    Ok(registry::of_maps(ground::horizons(
         surface,
         &settings,
         Encoding::Fm16,
@@ -122,11 +124,10 @@ pub struct Stage<'a> {
 impl Studio {
     /// The scene is seen through the stage's camera.
     pub fn new(stage: &Stage, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
-        // Traced shadows are the reference renderer's alone.
-        let traced = matches!(*scene.shadows, Shadows::Traced(_));
+        let for_host = !scene.shadows.runs_on_device();
         let gpu = match adapter {
             AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
-            AdapterChoice::Auto if !traced => Gpu::open(Adapter::Auto).ok(),
+            AdapterChoice::Auto if !for_host => Gpu::open(Adapter::Auto).ok(),
             AdapterChoice::Auto | AdapterChoice::Cpu => None,
         };
         let mut studio = Self { scene, views: Vec::new(), up: stage.up, gpu };
@@ -173,7 +174,7 @@ impl Studio {
     /// The exposures one below the other.
     fn render(&self, trial: &Trial, quantities: &[Quantity]) -> Result<Planes, Error> {
         let scene = self.scene.clone().with_disk(trial.disk.clone());
-        let scene = if trial.shadows { scene } else { scene.with_shadows(Shadows::None) };
+        let scene = if trial.shadows { scene } else { scene.with_shadows(registry::no_shadows()) };
         let mut session = Renderer::on_any(self.gpu.as_ref()).session(&scene)?;
         let mut whole: Option<Image> = None;
         for view in &self.views {

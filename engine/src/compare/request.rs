@@ -105,7 +105,7 @@ impl Trial {
             name: "the scenario's".into(),
             reflectance: pipeline::scene::reflectance(scenario)?,
             disk: pipeline::scene::disk(scenario)?,
-            shadows: scenario.shadows != scenario::Shadows::Off,
+            shadows: !scenario.shadows.are_off(),
             sun_radii: 1.0,
             sun_turn_rad: [0.0; 2],
         })

@@ -104,7 +104,8 @@ impl Gpu {
             multiview_mask: None,
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &self.bindings(&pipeline.get_bind_group_layout(0), buffers), &[]);
+        let numbered: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
+        pass.set_bind_group(0, &self.bindings(&pipeline.get_bind_group_layout(0), &numbered), &[]);
         for (vertices, instance) in draws {
             pass.draw(vertices.clone(), *instance..instance + 1);
         }

@@ -43,11 +43,3 @@ fn horizon_cell(horizon: HorizonGrid, page: u32, grid: vec2f) -> HorizonCell {
 fn horizon_turn(a: vec2f, b: vec2f) -> vec2f {
     return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
 }
-
-// How azimuths on a gnomonic map grow with those on the ground: the map stretches distances from its centre by 1/cos^2 c
-// along and 1/cos c across.
-fn azimuth_ratio(at_m: vec2f, map_radius_m: f32, towards: vec2f) -> f32 {
-    let stretch = 1.0 + dot(at_m, at_m) / (map_radius_m * map_radius_m);
-    let along = dot(at_m, towards) / map_radius_m;
-    return (1.0 - along * along / stretch) * sqrt(stretch);
-}

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Error, Progress, body_frame, domain, globe, ground, kernels, motion, points, scene, sequence, swath};
+use super::{
+    Error, Progress, applicability, auto, body_frame, globe, ground, kernels, motion, points, scene, sequence,
+};
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
 use crate::raster;
-use crate::scenario::{self, Albedo, CraterList, Dem, Scenario};
+use crate::scenario::{Albedo, CraterList, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
 /// What a check has found.
@@ -42,7 +44,7 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
-    checked.warnings = domain::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface));
+    checked.warnings = applicability::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface));
     let loaded = Almanac::load_sources(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
@@ -114,14 +116,12 @@ fn poses(
     let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });
     let (exposures, failed): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(Result::is_ok);
     let exposures: Vec<_> = exposures.into_iter().flatten().collect();
-    let swath = match scenario.shadows {
-        scenario::Shadows::Swath { azimuth_step_deg } => swath::plan(&surface, &exposures, azimuth_step_deg).err(),
-        _ => None,
-    };
+    let lights = auto::lights(&exposures);
+    let refusal = scenario.shadows.method().and_then(|method| method.refusal(&surface, &lights)).map(Error::from);
     let moves = sequence::check(scenario, &exposures).err();
     // It fails over what fails already.
     let looked = looked.filter(|_| failed.is_empty());
-    failed.into_iter().filter_map(Result::err).filter(counts).chain(swath).chain(moves).chain(looked).collect()
+    failed.into_iter().filter_map(Result::err).filter(counts).chain(refusal).chain(moves).chain(looked).collect()
 }
 
 fn bare(body: &Body, scenario: &Scenario) -> (Arc<Surface>, Geodetic) {

@@ -57,11 +57,8 @@ pub enum Error {
          the ground below it {ground_m:.1} m; the camera must be above the ground"
     )]
     BelowGround { exposure: usize, epoch_utc: String, height_m: f64, ground_m: f64 },
-    #[error(
-        "shadows: Swath: in these exposures the lights span {got} azimuths that are azimuth_step_deg = {step_deg} apart, \
-         at most {allowed} are allowed; use Fourier, fewer exposures or a wider step"
-    )]
-    SwathTooWide { got: usize, step_deg: f64, allowed: usize },
+    #[error(transparent)]
+    Shadows(Box<crate::shadow::PrepareError>),
     #[error(
         "outputs.planes: shadow_change needs a camera that stands still; before exposure {exposure} it moves by {moved_m:.3} m \
          and turns by {turned_deg:.5} deg"
@@ -69,6 +66,12 @@ pub enum Error {
     CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
     #[error("{from}..{until} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { from: usize, until: usize, count: usize },
+}
+
+impl From<crate::shadow::PrepareError> for Error {
+    fn from(error: crate::shadow::PrepareError) -> Self {
+        Self::Shadows(Box::new(error))
+    }
 }
 
 /// Makes an error that wraps [`Error`] as `Pipeline` from the stages' own, so that `?` serves for them too.

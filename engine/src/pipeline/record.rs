@@ -35,7 +35,7 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
 fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<serde_json::Value, Error> {
     let mut settings = serde_json::json!({
         "frame": prepared.frame.frame_name,
-        "shadows": format!("{:?}", prepared.shadows.shadows),
+        "shadows": prepared.shadows.method.spelling(),
         "ambient": scenario.ambient,
         "photometry": photometry(&scene::reflectance(scenario)?),
         "limb_darkening": scene::disk_name(scenario),

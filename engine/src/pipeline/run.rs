@@ -10,7 +10,7 @@ use super::{Error, Prepared, Progress, images, prepare, record, scene};
 use crate::dataset::{self, Writer};
 use crate::gpu::{Adapter, Gpu};
 use crate::render::{DeviceGround, Renderer};
-use crate::scenario::{self, Scenario};
+use crate::scenario::Scenario;
 
 /// How to run a scenario.
 #[derive(Debug, Clone)]
@@ -128,11 +128,12 @@ fn renderer(
     scenario: &Scenario,
     prepared: &Prepared,
 ) -> Result<Renderer, Error> {
-    let shadows = &prepared.shadows.shadows;
-    let gpu = gpu.filter(|_| choice != AdapterChoice::Auto || !is_traced(shadows));
+    let method = &prepared.shadows.method;
+    let gpu = gpu.filter(|_| choice != AdapterChoice::Auto || method.runs_on_device());
     if let Some(gpu) = gpu {
-        let horizons = shadows.need_maps().then_some(scenario.horizon.encoding);
-        DeviceGround::check(gpu, &prepared.ground.surface.terrain, horizons)?;
+        let terrain = &prepared.ground.surface.terrain;
+        DeviceGround::check(gpu, terrain)?;
+        method.check_device(gpu, terrain.seen_nodes(), scenario.horizon.encoding)?;
     }
     Ok(Renderer::on_any(gpu))
 }
@@ -161,8 +162,9 @@ fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error>
     Ok(range)
 }
 
-fn is_traced(shadows: &scenario::Shadows) -> bool {
-    *shadows == scenario::Shadows::Traced
+/// Whether the scenario names a method that only the reference renderer has.
+fn is_for_host(scenario: &Scenario) -> bool {
+    scenario.shadows.method().is_some_and(|method| !method.runs_on_device())
 }
 
 /// The device that renders; `None`: the reference renderer does.
@@ -170,8 +172,8 @@ fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progr
     match choice {
         AdapterChoice::Cpu => Ok(None),
         AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
-        AdapterChoice::Auto if is_traced(&scenario.shadows) => {
-            progress.say("traced shadows: rendering with the reference renderer on the CPU");
+        AdapterChoice::Auto if is_for_host(scenario) => {
+            progress.say("shadows that devices do not have: rendering with the reference renderer on the CPU");
             Ok(None)
         }
         AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {

@@ -9,9 +9,9 @@ use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, S
 use crate::raster::Picture;
 use crate::render::{self, AlbedoRole, Imaging, Light, Timing, View};
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
+use crate::shadow::multiscale::Multiscale;
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
-use crate::shadow::{At, Lighting, Mipmaps, Multiscale, Visibility};
-use crate::terrain::{Face, Surface, Terrain};
+use crate::terrain::{Face, Surface};
 
 /// Wavelength of the photons that a detector counts where the scenario names no band.
 const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
@@ -212,29 +212,6 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     };
     reflectance.check()?;
     Ok(reflectance)
-}
-
-/// Lighting factors of horizon maps. What [`Visibility::Line`] gives at pixels is that and more with `Fourier`.
-pub fn series(
-    maps: Vec<Vec<HorizonMap>>,
-    visibility: Visibility,
-    coefficients: Option<u32>,
-    at: At,
-) -> render::Shadows {
-    let cut = |map: HorizonMap| match coefficients {
-        Some(coefficients) => map.with_coefficients(coefficients).expect("the scenario's check has asked"),
-        None => map,
-    };
-    let maps = maps.into_iter().map(|levels| levels.into_iter().map(cut).collect()).collect();
-    match (visibility, at) {
-        (Visibility::Line, At::Pixels) => render::Shadows::Fourier(maps),
-        _ => render::Shadows::Lighting(Lighting { maps, visibility, at }),
-    }
-}
-
-/// The search of maximum mipmaps that the scenario asks for.
-pub fn mipmaps(terrain: &Terrain, runs: &[u32]) -> Mipmaps {
-    if runs.is_empty() { Mipmaps::reaching(terrain) } else { Mipmaps::of(runs) }
 }
 
 /// Azimuths in which horizon maps are summed over the sky: twice their harmonics.

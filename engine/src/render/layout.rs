@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::{Light, View};
 use crate::geometry::{Body, BodyFixed, Camera, Position, Rotation};
-use crate::shadow::HeldLight;
+use crate::shadow::device::LevelTexels;
 use crate::terrain::{Face, Gnomonic, Level};
 
 #[repr(C)]
@@ -64,9 +64,8 @@ pub struct MapLevel {
     pub maxima_offset: u32,
     pub horizon: [u32; 4],
     pub face: u32,
-    pub has_horizon: u32,
     pub horizon_table: u32,
-    pub padding: u32,
+    pub padding: [u32; 2],
 }
 
 #[repr(C)]
@@ -76,22 +75,6 @@ pub struct LightParameters {
     pub radius_rad: f32,
     pub irradiance_w_m2: f32,
     pub padding: [u32; 2],
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub struct BakeParameters {
-    pub direction: [f32; 4],
-    pub south_west_m: [f32; 2],
-    pub posting_m: f32,
-    pub radius_m: f32,
-    pub offset: u32,
-    pub columns: u32,
-    pub rows: u32,
-    pub horizon_table: u32,
-    pub horizon: [u32; 4],
-    pub radius_rad: f32,
-    pub padding: [u32; 3],
 }
 
 #[repr(C)]
@@ -242,31 +225,15 @@ impl MapLevel {
         }
     }
 
+    /// With a horizon map where its shadow method has put it.
+    pub fn with_texels(self, texels: &LevelTexels) -> Self {
+        Self { horizon: texels.pages, horizon_table: texels.table, ..self }
+    }
+
     /// Grid coordinates that count from the cell of the map point `camera_m`.
     pub fn about(&self, camera: DVec2) -> Self {
         let cell = camera.floor();
         Self { base: cell.as_ivec2().to_array(), camera: (camera - cell).as_vec2().to_array(), ..*self }
-    }
-}
-
-impl BakeParameters {
-    /// A level of a map with its series in the texels, and where its field begins.
-    pub fn new(map: &Gnomonic, level: &MapLevel, light: &HeldLight, offset: u32) -> Self {
-        let vector_m = map.map_vector(light.position);
-        let distance_m = vector_m.length();
-        Self {
-            direction: with_w(vector_m / distance_m, 1.0 / distance_m),
-            south_west_m: level.south_west_m,
-            posting_m: level.posting_m,
-            radius_m: map.radius_m as f32,
-            offset,
-            columns: level.columns,
-            rows: level.rows,
-            horizon_table: level.horizon_table,
-            horizon: level.horizon,
-            radius_rad: light.angular_radius_rad as f32,
-            padding: [0; 3],
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Radiance seen by a camera.
 //!
 //! [`Scene`] and [`View`] are all that a renderer reads: a [`Renderer`] opens a [`Session`] of a scene, which renders views.
-//! [`mod@reference`] renders in f64, one ray at a time, to be believed; [`passes`] renders with compute shaders. Both give
+//! [`mod@reference`] renders in f64, one ray at a time; [`passes`] renders with compute shaders. Both give
 //! [`Samples`], from which [`planes`] makes the image. [`imaging`] takes it with a lens that blurs and a shutter that takes
 //! its time.
 
@@ -27,28 +27,20 @@ pub use imaging::{Imaging, Taken, Timing};
 pub use passes::{DeviceGround, Kept};
 pub use planes::{LIT_SHARE, Samples};
 pub use session::{Renderer, Session};
-pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, Shadows, View, ViewRays};
+pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, View, ViewRays};
 
 use crate::gpu::GpuError;
-use crate::horizon::Encoding;
-use crate::shadow::OutsideSwath;
+use crate::shadow::{DeviceError, UnpreparedLight};
 
 /// What can go wrong while rendering.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error(
-        "{what} take {needed_mib} MiB, the adapter allows {allowed_mib} MiB; \
-         use a coarser posting, a smaller extent, or the reference renderer"
-    )]
-    BufferTooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
-    #[error("traced shadows need the reference renderer")]
-    TracedOnGpu,
-    #[error("horizon maps are encoded as {first} and as {other}, want one encoding")]
-    Encodings { first: Encoding, other: Encoding },
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
     TooManyLights { got: usize, allowed: usize },
     #[error(transparent)]
-    OutsideSwath(#[from] OutsideSwath),
+    UnpreparedLight(#[from] UnpreparedLight),
 }

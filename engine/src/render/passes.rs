@@ -18,7 +18,6 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 use wgpu::{Buffer, ComputePipeline};
 
-pub use skylines::SHADER as BAKE_SHADER;
 pub use starts::SHADER as MESH_SHADER;
 pub use upload::DeviceGround;
 
@@ -31,24 +30,23 @@ use upload::PackedLevel;
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
 use super::recent::Recent;
-use super::{Diffuse, Rays, RenderError, Scene, Shadows, View, ViewRays, reference};
+use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
-use crate::shadow::{At, Lighting, OutsideSwath, Skylines};
+use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
+use crate::shadow::{Skylines, UnpreparedLight};
 use crate::terrain::{Face, Ground, Hit};
 
-/// The pass, as one text: declarations may come in any order.
+/// The pass but for the shadow method's part ([`DevicePart::wgsl`]): declarations may come in any order.
 pub const SHADER: &str = concat!(
     include_str!("passes.wgsl"),
-    include_str!("texels.wgsl"),
     include_str!("ray_window.wgsl"),
     include_str!("starts.wgsl"),
     include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
-    include_str!("../shadow/mipmaps.wgsl"),
-    include_str!("../shadow/visibility.wgsl"),
+    include_str!("../terrain/azimuth_ratio.wgsl"),
 );
 
 /// Pixels of one workgroup, as in the shader.
@@ -65,6 +63,9 @@ pub struct Passes {
     tables: Recent<Rays, Table>,
     disk_tables: Buffer,
     ground: DeviceGround,
+    /// What the shadow method's WGSL reads, and where each level lies in it.
+    method_buffers: Vec<Buffer>,
+    method_texels: Vec<LevelTexels>,
     skylines: Option<DeviceSkylines>,
     /// Where rays start that are not cast exactly from the camera.
     mesh: Option<DeviceMesh>,
@@ -108,6 +109,8 @@ struct Dispatched {
 
 impl Passes {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
+        let DevicePart { wgsl, constants: of_method, buffers, texels, fields } =
+            scene.shadows.device(gpu, &scene.surface, &scene.disk)?;
         let ground = DeviceGround::new(gpu, scene)?;
         let mut constants = vec![
             ("FACES", scene.surface.terrain.faces.len() as f64),
@@ -116,35 +119,15 @@ impl Passes {
             ("BARE_SKY", Diffuse::bare_share(scene)),
         ];
         constants.extend(scene.disk.constants());
-        let skylines = match scene.shadows.are_found_at_nodes() {
-            true => Some(DeviceSkylines::new(gpu, scene, &ground)?),
-            false => None,
-        };
+        let skylines = fields.map(|fields| DeviceSkylines::new(gpu, fields, &ground)).transpose()?;
         constants.extend(ground.constants);
-        // Fields take one page, whatever the horizon maps that they come from take.
-        constants.extend(if skylines.is_some() { [("PAGES", 1.0), ("PAGE_BITS", 31.0)] } else { ground.pages });
-        let source = match scene.shadows.as_ref() {
-            Shadows::None | Shadows::Traced(_) => 0,
-            Shadows::Fourier(_) => 1,
-            Shadows::Baked(_) | Shadows::Towards(_) => 2,
-            Shadows::Mipmaps(method) => {
-                constants.extend(method.constants());
-                3
-            }
-            Shadows::Lighting(Lighting { at: At::Nodes, .. }) => 5,
-            Shadows::Lighting(lighting) => {
-                constants.extend(lighting.visibility.constants());
-                4
-            }
-        };
-        constants.push(("SKYLINES", f64::from(source)));
+        constants.extend(of_method);
         let mesh = match scene.view_rays {
             ViewRays::Exact => None,
             ViewRays::Hybrid { mesh_cells, .. } => Some(DeviceMesh::new(gpu, scene, mesh_cells as usize)?),
         };
         constants.push(("STEPS", f64::from(scene.view_rays.steps())));
-        constants.extend(ground.encoding.constants());
-        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &ground.encoding.wgsl()].concat();
+        let shader = [SHADER, SOLAR_DISK_WGSL, REFLECTANCE_WGSL, &wgsl].concat();
         Ok(Self {
             gpu: gpu.clone(),
             shader,
@@ -153,6 +136,8 @@ impl Passes {
             tables: Recent::new(TABLE_BYTES),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
+            method_buffers: buffers,
+            method_texels: texels,
             skylines,
             mesh,
             device_time: None,
@@ -178,7 +163,7 @@ impl Passes {
 
     /// The skylines that the last view was rendered with.
     pub fn skylines(&mut self, scene: &Scene) -> Result<Skylines, RenderError> {
-        match self.skylines.as_mut().filter(|_| scene.shadows.towards().is_some()) {
+        match self.skylines.as_mut().filter(|_| scene.shadows.skylines().is_some()) {
             Some(kept) => kept.on_host(&self.gpu, scene),
             None => Ok(Skylines::default()),
         }
@@ -193,9 +178,9 @@ impl Passes {
     }
 
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
-    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, OutsideSwath> {
+    fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, UnpreparedLight> {
         match &mut self.skylines {
-            Some(skylines) => skylines.found_on_host(scene, &view.held_lights()),
+            Some(skylines) => skylines.found_on_host(scene, &view.quantized_lights()),
             None => Ok(Skylines::default()),
         }
     }
@@ -210,18 +195,20 @@ impl Passes {
         let gpu = &self.gpu;
         let bounced = diffuse.filter(|_| scene.bounce.is_some());
         let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
-        let held = view.held_lights();
-        let baking = self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &held)).transpose()?;
+        let lights_on_raster = view.quantized_lights();
+        let finding =
+            self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &lights_on_raster)).transpose()?;
         let terrain = &scene.surface.terrain;
         let faces: Vec<MapFace> =
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
         let placed = |(index, level): (usize, &PackedLevel)| {
             let centred = level.centred(scene, view);
-            self.skylines.as_ref().map_or(centred, |skylines| skylines.placed(centred, index))
+            let placed = self.method_texels.get(index).map_or(centred, |texels| centred.with_texels(texels));
+            self.skylines.as_ref().map_or(placed, |skylines| skylines.placed(placed, index))
         };
         let levels: Vec<MapLevel> = self.ground.levels.iter().enumerate().map(placed).collect();
-        let texels = &self.ground.texels;
-        let first = self.skylines.as_ref().and_then(DeviceSkylines::buffer).unwrap_or(&texels[0]);
+        let fields = self.skylines.as_ref().and_then(DeviceSkylines::buffer);
+        let of_method = fields.into_iter().chain(&self.method_buffers);
         let lights = lights(scene, view);
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));
@@ -239,16 +226,12 @@ impl Passes {
             Some(mesh) => mesh.starts(gpu, scene, view, table.window, [&faces, &levels]),
             None => Starts::at_the_camera(gpu),
         };
-        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), baking.unwrap_or(Some(0.0)));
+        let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), finding.unwrap_or(Some(0.0)));
         for band in &table.bands {
             let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
-            let buffers = [
-                first,
-                &texels[1],
-                &texels[2],
-                &texels[3],
+            let own = [
                 &parameters,
                 &faces,
                 &levels,
@@ -267,7 +250,8 @@ impl Passes {
                 &starts.window,
                 &starts.depths,
             ];
-            let spent = gpu.run(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
+            let buffers = (0..).zip(of_method.clone()).chain((BINDINGS as u32..).zip(own)).collect::<Vec<_>>();
+            let spent = gpu.run_bound(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
             seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
             pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
             if rays.centres {

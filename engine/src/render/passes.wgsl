@@ -69,8 +69,6 @@ override SAMPLES: u32;
 override CENTRE: u32;
 override FACES: u32;
 override LIGHTS: u32;
-// Where shadows come from: nowhere, series, skylines of nodes, runs over maximum mipmaps, lighting factors, or those of nodes.
-override SKYLINES: u32;
 override ALBEDO_MAP: bool;
 // Whether its values are Hapke's w rather than factors on the reflectance.
 override ALBEDO_IS_W: bool;
@@ -204,72 +202,13 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     return facet;
 }
 
-// Two skylines are in a texel: elevation and slope by map azimuth of an even node, then of the next one.
-fn node_skyline(offset: u32, node: u32) -> vec2f {
-    let texel = horizon_texel(offset + (node >> 1u));
-    return bitcast<vec2f>(select(texel.xy, texel.zw, (node & 1u) == 1u));
-}
-
-// Elevation and slope, bilinear between the nodes of a field.
-fn field_skyline(level: MapLevel, light: u32, grid: vec2f) -> vec2f {
-    let far = vec2f(f32(level.columns - 1u), f32(level.rows - 1u));
-    let at = clamp(grid, vec2f(0.0), far);
-    let low = min(vec2u(at), vec2u(far) - 1u);
-    let share = at - vec2f(low);
-    let offset = level.horizon[light];
-    let node = low.y * level.columns + low.x;
-    let south = mix(node_skyline(offset, node), node_skyline(offset, node + 1u), share.x);
-    let north = mix(node_skyline(offset, node + level.columns), node_skyline(offset, node + level.columns + 1u), share.x);
-    return mix(south, north, share.y);
-}
-
-// The skyline at a facet as a line in the disc's plane: height at its centre and slope, in disc radii.
-fn skyline(facet: Facet, light: u32, s: vec3f, radius_rad: f32) -> vec2f {
-    if SKYLINES == 0u || facet.frame == FACES {
-        return vec2f(-1.0e3, 0.0);
-    }
-    let level = map_levels[facet.level];
-    let direction = s.xy - facet.at_m * (s.z / facet.radius_m);
-    let length_2 = dot(direction, direction);
-    if length_2 < 1.0e-12 {
-        return vec2f(-1.0e3, 0.0);
-    }
-    let towards = direction / sqrt(length_2);
-    if SKYLINES == 3u {
-        return mipmap_line(facet, towards, s, radius_rad);
-    }
-    if level.has_horizon == 0u {
-        return vec2f(-1.0e3, 0.0);
-    }
-    var horizon: vec2f;
-    if SKYLINES == 1u {
-        let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
-        horizon = horizon_elevation(grid, facet.grid, towards);
-    } else {
-        horizon = field_skyline(level, light, facet.grid);
-    }
-    let slope = horizon.y * azimuth_ratio(facet.at_m, facet.radius_m, towards);
-    let sin_elevation = dot(s, facet.up);
-    let cos_elevation = sqrt(max(1.0 - sin_elevation * sin_elevation, 0.0));
-    return horizon_line(horizon.x, slope, sin_elevation, cos_elevation, radius_rad);
-}
-
-// What is seen of a light's disc above the skyline and above the facet's own plane.
+// What is seen of a light's disc above the terrain and above the facet's own plane.
 fn light_seen(facet: Facet, index: u32, light: LightParameters, s: vec3f, plane: vec3f) -> DiskLight {
-    if SKYLINES < 4u || facet.frame == FACES {
-        let line = skyline(facet, index, s, light.radius_rad);
-        return disk_light(line.x, line.y, plane);
+    if facet.frame == FACES {
+        return disk_light(-1.0e3, 0.0, plane);
     }
-    if plane.x <= 0.0 {
-        return NO_LIGHT;
-    }
-    let level = map_levels[facet.level];
-    if SKYLINES == 5u {
-        return DiskLight(field_skyline(level, index, facet.grid).x, vec2f(0.0));
-    }
-    let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
-    let poise = Poise(facet.at_m, facet.radius_m, facet.up, s, light.radius_rad);
-    return DiskLight(visible_share(horizon_profile(grid, facet.grid), poise), vec2f(0.0));
+    // The shadow method's own: see shadow/device.rs.
+    return light_over_terrain(facet, index, light, s, plane);
 }
 
 struct Sample {

@@ -1,4 +1,4 @@
-//! The renderer to be believed: f64, one ray at a time, meant to be read.
+//! The reference renderer: f64, one ray at a time, meant to be read.
 //!
 //! ```text
 //! L = Σ lights  f_r(μ0, μ, g) · E,    E = E_n [V (n·s) + ρ (M_x n·e_x + M_y n·e_y)]
@@ -17,11 +17,11 @@ use rayon::prelude::*;
 use super::facet::{at_nodes, normal, site};
 use super::planes::{Radiometry, Samples};
 use super::refine::UncertainTraced;
-use super::{Diffuse, Light, Rays, RenderError, Scene, Shadows, View};
+use super::{Diffuse, Light, Rays, RenderError, Scene, View};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Camera, Direction};
 use crate::photometry::{HorizonLine, SunAxes};
-use crate::shadow::{Fetched, FourierMaps, LightingFactors, MipmapRuns, OutsideSwath, Shadow, Skylines, Traced};
+use crate::shadow::{Shadow, Skylines, UnpreparedLight};
 use crate::terrain::{Ground, Hit};
 
 /// What manifests call this renderer.
@@ -59,24 +59,11 @@ pub fn shadow<'a>(
     scene: &'a Scene,
     view: &View,
     known: &Skylines,
-) -> Result<Option<Box<dyn Shadow + 'a>>, OutsideSwath> {
-    let surface = &scene.surface;
+) -> Result<Option<Box<dyn Shadow + 'a>>, UnpreparedLight> {
     if let Some(shadow) = UncertainTraced::of(scene) {
         return Ok(Some(Box::new(shadow)));
     }
-    if let Some(method) = scene.shadows.towards() {
-        let skylines = known.towards(surface, method, &view.held_lights())?;
-        return Ok(Some(Box::new(Fetched { surface, skylines })));
-    }
-    Ok(match scene.shadows.as_ref() {
-        Shadows::Fourier(maps) => Some(Box::new(FourierMaps { surface, maps })),
-        Shadows::Lighting(lighting) => {
-            Some(Box::new(LightingFactors::new(surface, lighting, &scene.disk, &view.held_lights())))
-        }
-        Shadows::Mipmaps(method) => Some(Box::new(MipmapRuns::new(surface, method))),
-        Shadows::Traced(settings) => Some(Box::new(Traced { surface, settings: *settings })),
-        Shadows::None | Shadows::Baked(_) | Shadows::Towards(_) => None,
-    })
+    scene.shadows.shadow(&scene.surface, &scene.disk, &view.quantized_lights(), known)
 }
 
 /// Share of the Sun's disc that a point of the ground sees; NaN on ground without heights.

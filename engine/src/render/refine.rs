@@ -12,36 +12,32 @@
 //! The reference renderer asks at every sample. A device renders all samples from the maps, and the host
 //! renders again each pixel whose centre is open or, where a pixel has more samples than its centre, a neighbour's is.
 //!
-//! Measured on the connecting ridge, Sun at 1.9°, 256² pixels, against tracing every pixel, in full Suns:
-//!
-//! | | RMS | RMS in the penumbra | largest | shares off by 0.01 |
-//! |---|---|---|---|---|
-//! | maps (`w21`) | 0.0024 | 0.0155 | 0.19 | 1.40 % |
-//! | refined | 0.0003 | 0.0017 | 0.03 | 0.18 % |
+//! What it gains: `docs/experiments/shadow_methods.md`.
 //!
 //! # Assumptions
 //! Bounds fail for one node in twenty at some azimuth. A penumbra thinner than a pixel that passes between
 //! the centres of a device's pixels is not traced.
 
 use super::facet::{normal, site};
-use super::{Scene, Shadows, View};
+use super::{Scene, View};
 use crate::photometry::DiskLight;
-use crate::shadow::{Disc, FourierMaps, Shadow, Site, Traced};
+use crate::shadow::registry::reference_shadow;
+use crate::shadow::{BoundedShadow, Disc, Shadow, Site};
 use crate::terrain::{Ground, Hit};
 
 /// Horizon maps, and tracing where they leave the Sun's share open.
 #[derive(Debug)]
 pub struct UncertainTraced<'a> {
-    pub maps: FourierMaps<'a>,
-    traced: Traced<'a>,
+    pub maps: Box<dyn BoundedShadow + 'a>,
+    traced: Box<dyn Shadow + 'a>,
 }
 
 impl<'a> UncertainTraced<'a> {
     /// `None` where the scene asks for no refinement, or has no horizon maps.
     pub fn of(scene: &'a Scene) -> Option<Self> {
         let (surface, settings) = (&scene.surface, scene.refine?);
-        let maps = FourierMaps { surface, maps: scene.shadows.maps()? };
-        Some(Self { maps, traced: Traced { surface, settings } })
+        let maps = scene.shadows.bounded(surface)?;
+        Some(Self { maps, traced: reference_shadow(surface, settings) })
     }
 }
 
@@ -57,7 +53,7 @@ impl Shadow for UncertainTraced<'_> {
 }
 
 /// Whether the Sun's share at a hit is open.
-pub fn is_open(scene: &Scene, view: &View, maps: &FourierMaps, hit: &Hit) -> bool {
+pub fn is_open(scene: &Scene, view: &View, maps: &dyn BoundedShadow, hit: &Hit) -> bool {
     let light = view.lights.first().map(|light| (0, light));
     light
         .and_then(|light| site(scene, hit, normal(scene, hit), light))
@@ -67,14 +63,11 @@ pub fn is_open(scene: &Scene, view: &View, maps: &FourierMaps, hit: &Hit) -> boo
 /// Standard deviation of the Sun's share at a hit; NaN where nothing is known of it.
 pub fn sun_fraction_sigma(scene: &Scene, view: &View, hit: &Hit) -> f64 {
     let Some(sun) = view.lights.first() else { return f64::NAN };
-    match (hit.ground, scene.shadows.as_ref(), scene.shadows.maps()) {
-        (Ground::Bare, ..) | (_, Shadows::Traced(_), _) => 0.0,
-        (_, _, Some(maps)) => {
-            let maps = FourierMaps { surface: &scene.surface, maps };
-            let Some((site, disc)) = site(scene, hit, normal(scene, hit), (0, sun)) else { return f64::NAN };
-            let traced = scene.refine.is_some() && maps.is_open(&site, &disc);
-            if traced { 0.0 } else { maps.sigma(&site, &disc).unwrap_or(f64::NAN) }
-        }
-        _ => f64::NAN,
+    if hit.ground == Ground::Bare || scene.shadows.is_exact() {
+        return 0.0;
     }
+    let Some(maps) = scene.shadows.bounded(&scene.surface) else { return f64::NAN };
+    let Some((site, disc)) = site(scene, hit, normal(scene, hit), (0, sun)) else { return f64::NAN };
+    let is_traced = scene.refine.is_some() && maps.is_open(&site, &disc);
+    if is_traced { 0.0 } else { maps.sigma(&site, &disc).unwrap_or(f64::NAN) }
 }

@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera as Optics, Detector, Pose};
 use crate::geometry::{BodyFixed, Camera, Position, Rotation};
-use crate::horizon::HorizonMap;
 use crate::photometry::{Hapke, LimbDarkening, Reflectance, SolarDisk};
-use crate::shadow::{At, Baked, HeldLight, Lighting, Mipmaps, Towards};
+use crate::shadow::{QuantizedLight, ShadowMethod, registry};
 use crate::terrain::Surface;
 
 use super::{Bounce, Quantity};
@@ -20,7 +19,8 @@ use super::{Bounce, Quantity};
 pub struct Scene {
     pub surface: Arc<Surface>,
     pub view_rays: ViewRays,
-    pub shadows: Arc<Shadows>,
+    /// Where the terrain's shadows come from.
+    pub shadows: Arc<dyn ShadowMethod>,
     /// How the Sun's share is traced where horizon maps leave it open; `None`: it is not.
     pub refine: Option<crate::horizon::Settings>,
     /// A number of the reflectance at the nodes of each face's levels; `None`: it is the same everywhere.
@@ -90,62 +90,6 @@ pub struct Ambient {
     pub radiance_w_m2_sr: f64,
     /// Share of it that lights the facet at each node of each face's levels.
     pub shares: Vec<Vec<Vec<f32>>>,
-}
-
-/// Where the terrain's shadows come from.
-#[derive(Debug)]
-pub enum Shadows {
-    /// Only a facet's own plane shades it.
-    None,
-    /// Horizon maps by face and level, evaluated at every sample.
-    Fourier(Vec<Vec<HorizonMap>>),
-    /// Horizon maps evaluated once per node while the lights stand still.
-    Baked(Baked),
-    /// Lighting factors from horizon maps.
-    Lighting(Lighting),
-    /// Skylines of all nodes towards each light, found by the method while the lights stand still.
-    Towards(Box<dyn Towards>),
-    /// Maximum mipmaps, searched towards each light at every sample.
-    Mipmaps(Mipmaps),
-    /// The believed horizon at every sample: slow, and only for the reference renderer.
-    Traced(crate::horizon::Settings),
-}
-
-impl Shadows {
-    /// What the method is called in reports.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Fourier(_) => "fourier",
-            Self::Baked(_) => "baked",
-            Self::Lighting(_) => "lighting factor",
-            Self::Towards(method) => method.name(),
-            Self::Mipmaps(_) => "mipmaps",
-            Self::Traced(_) => "traced",
-        }
-    }
-
-    /// The horizon maps that the shadows come from.
-    pub fn maps(&self) -> Option<&[Vec<HorizonMap>]> {
-        match self {
-            Self::Fourier(maps) | Self::Baked(Baked(maps)) | Self::Lighting(Lighting { maps, .. }) => Some(maps),
-            Self::None | Self::Towards(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
-        }
-    }
-
-    /// Whether something is found for all nodes at once while the lights stand still.
-    pub fn are_found_at_nodes(&self) -> bool {
-        self.towards().is_some() || matches!(self, Self::Lighting(Lighting { at: At::Nodes, .. }))
-    }
-
-    /// The method that finds skylines while the lights stand still.
-    pub fn towards(&self) -> Option<&dyn Towards> {
-        match self {
-            Self::Baked(baked) => Some(baked),
-            Self::Towards(method) => Some(method.as_ref()),
-            Self::None | Self::Fourier(_) | Self::Lighting(_) | Self::Mipmaps(_) | Self::Traced(_) => None,
-        }
-    }
 }
 
 /// What may change from view to view.
@@ -231,8 +175,8 @@ impl View {
     }
 
     /// The lights as methods that find skylines in advance see them.
-    pub fn held_lights(&self) -> Vec<HeldLight> {
-        self.lights.iter().map(|light| HeldLight::new(light.position, light.angular_radius_rad)).collect()
+    pub fn quantized_lights(&self) -> Vec<QuantizedLight> {
+        self.lights.iter().map(|light| QuantizedLight::new(light.position, light.angular_radius_rad)).collect()
     }
 }
 
@@ -262,7 +206,7 @@ impl Scene {
         Self {
             surface: surface.into(),
             view_rays: ViewRays::Exact,
-            shadows: Arc::new(Shadows::None),
+            shadows: registry::no_shadows(),
             refine: None,
             albedo: None,
             albedo_role: AlbedoRole::Factor,
@@ -272,8 +216,8 @@ impl Scene {
         }
     }
 
-    pub fn with_shadows(self, shadows: Shadows) -> Self {
-        Self { shadows: Arc::new(shadows), ..self }
+    pub fn with_shadows(self, shadows: Arc<dyn ShadowMethod>) -> Self {
+        Self { shadows, ..self }
     }
 
     pub fn with_view_rays(self, view_rays: ViewRays) -> Self {

@@ -3,7 +3,7 @@
 use serde_json::Value as Json;
 
 use super::error::range_end;
-use super::structure::{bounds, followed, kind, names, required, schema, unit};
+use super::structure::{bounds, followed, is_current, kind, names, required, schema, unit};
 
 const TEXT_COLUMNS: usize = 100;
 
@@ -73,7 +73,7 @@ impl<'a> Writer<'a> {
     /// What a value is made of: keys of a struct, variants of an enum, items of a list.
     fn inside(&mut self, schema: &'a Json, depth: usize) {
         if let Some(variants) = schema.get("oneOf").and_then(Json::as_array) {
-            variants.iter().for_each(|variant| self.variant(variant, depth));
+            variants.iter().filter(|variant| is_current(variant)).for_each(|variant| self.variant(variant, depth));
         } else if let Some(items) = schema.get("items") {
             self.inside(followed(items, self.definitions), depth);
         } else {
@@ -139,6 +139,10 @@ fn ron_text(default: &Json) -> Option<String> {
         Json::Number(number) => Some(number.as_f64().map_or(number.to_string(), range_end)),
         Json::Bool(value) => Some(value.to_string()),
         Json::String(variant) => Some(variant.clone()),
+        // A variant with all its options at their defaults.
+        Json::Object(variant) if variant.len() == 1 => {
+            variant.keys().next().filter(|name| name.starts_with(char::is_uppercase)).map(|name| format!("{name}()"))
+        }
         Json::Array(items) => Some(format!("[{}]", items.iter().filter_map(ron_text).collect::<Vec<_>>().join(", "))),
         _ => None,
     }
@@ -155,8 +159,8 @@ mod tests {
             "title*: text",
             "    focal_length_mm: number in [1, 10000] mm",
             "    columns: whole number in [1, 16384]",
-            "    - Fourier: From Fourier-compressed horizon maps, evaluated at every sample.",
-            "shadows: one of = Fourier",
+            "- HorizonMaps(…): From Fourier-compressed horizon maps, made once for all Suns.",
+            "shadows: one of = HorizonMaps()",
             "        posting_m*: number in [0.01, 100000] m",
         ] {
             assert!(text.contains(line), "no line {line:?} in\n{text}");

@@ -36,9 +36,9 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
-        !spec.refine || spec.shadows.have_bounds(),
+        !spec.refine || spec.shadows.method().is_some_and(|method| method.has_bounds()),
         "refine",
-        "needs shadows: Fourier or Baked, whose errors are known",
+        "needs shadows from horizon maps with all their coefficients and no visibility, whose errors are known",
     );
     world::lights_of_globe(spec, check);
     let horizon = world::horizon(&spec.horizon, check);
@@ -53,6 +53,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         kernels: spec.kernels.as_ref().map(|kernels| world::kernels(kernels, check)),
         terrain,
         shadows: world::shadows(&spec.shadows, horizon.encoding, check),
+        notes: spec.shadows.note().into_iter().collect(),
         horizon,
         refine: spec.refine,
         view_rays: spec.view_rays,

@@ -16,8 +16,8 @@ use crate::photometry::Curve;
 use crate::render::ViewRays;
 
 pub use super::spec::{
-    Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, ShadowPreset,
-    Shadows, Sky, Split, Top, Values,
+    Ambient, AutoExposure, Bounce, Detector, Distortion, HeightAbove, LimbLaw, Outputs, Preset, Preview, Shadows, Sky,
+    Split, Top, Values,
 };
 
 /// All that a run needs, as plain values.
@@ -38,7 +38,10 @@ pub struct Scenario {
     /// `None`: the bare spheroid.
     pub terrain: Option<Terrain>,
     pub horizon: Horizon,
+    /// Never an older spelling.
     pub shadows: Shadows,
+    /// What the user should write otherwise, though it works.
+    pub notes: Vec<String>,
     /// Whether tracing settles what horizon maps leave open.
     pub refine: bool,
     pub view_rays: ViewRays,

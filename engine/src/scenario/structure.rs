@@ -83,7 +83,7 @@ impl<'a> Check<'a> {
     }
 
     fn variant(&mut self, variants: &'a [Json], node: &Node, key: &str) {
-        let allowed: Vec<String> = variants.iter().flat_map(names).collect();
+        let allowed: Vec<String> = variants.iter().filter(|variant| is_current(variant)).flat_map(names).collect();
         let Value::Named(name, inside) = &node.value else {
             return self.report(node.place, key, Fault::NotOneOf { got: shown(node), near: None, allowed });
         };
@@ -181,6 +181,11 @@ impl<'a> Check<'a> {
             self.report(node.place, key, Fault::OutsideRange { got, minimum, maximum, unit });
         }
     }
+}
+
+/// Whether a variant is no older spelling.
+pub(super) fn is_current(variant: &Json) -> bool {
+    variant.get("deprecated").and_then(Json::as_bool) != Some(true)
 }
 
 /// The schema behind references and options.

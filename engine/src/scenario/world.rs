@@ -6,6 +6,7 @@ use super::spec::{self, Spec};
 use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::shadow::method::Flaw;
 
 /// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
 const LUNAR_ALBEDO: f64 = 0.12;
@@ -150,10 +151,8 @@ pub fn lights_of_globe(spec: &Spec, check: &mut Check) {
     if !dems.iter().any(|dem| matches!(dem, spec::Dem::Globe { .. })) {
         return;
     }
-    use spec::Shadows;
-    let without_maps =
-        !spec.shadows.need_maps() && !matches!(spec.shadows, Shadows::Off | Shadows::Preset(_) | Shadows::Auto { .. });
-    check.needs(!without_maps, "shadows", "must be Fourier, Baked, Series, Preset, Auto or Off over a Globe");
+    let serves = spec.shadows.method().is_none_or(|method| method.serves_globe());
+    check.needs(serves, "shadows", "must come from horizon maps, be chosen by Auto, or be none over a Globe");
     check.needs(!spec.refine, "refine", "needs other terrain than a Globe, beyond whose tiles no ray is traced");
     check.needs(
         spec.bounce.is_none(),
@@ -180,23 +179,16 @@ pub fn horizon(written: &spec::Horizon, check: &mut Check) -> Horizon {
     }
 }
 
-/// The shadows as written, a preset by what it stands for.
+/// The shadows in their current spelling.
 pub fn shadows(written: &spec::Shadows, encoding: Encoding, check: &mut Check) -> spec::Shadows {
-    let (shadows, key) = match written {
-        spec::Shadows::Preset(preset) => (preset.shadows(), "shadows"),
-        other => (other.clone(), "shadows.coefficients"),
-    };
-    if let spec::Shadows::Series { coefficients: Some(coefficients), .. } = shadows {
-        let is_page = coefficients.is_multiple_of(4);
-        check.rule(is_page, key, coefficients, "is not 4, 8, 12 or 16: four make a page of texels");
-        let has = !is_page || encoding.with_coefficients(coefficients).is_some();
-        let needs = format!(
-            "needs {coefficients} coefficients, which horizon.encoding {encoding} has not; fm{coefficients} or more \
-             and f{coefficients} or more have them"
-        );
-        check.needs(has, key, needs);
+    if let Some(Flaw { key, got, rule }) = written.method().and_then(|method| method.flaw(encoding)) {
+        let key = written.key(key);
+        match got {
+            Some(got) => check.rule(false, &key, got, rule),
+            None => check.needs(false, &key, rule),
+        }
     }
-    shadows
+    written.current()
 }
 
 pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {

@@ -11,8 +11,7 @@
 //! for `Σ wᵢ xᵢ² = ¼` whatever `n` is. Where a peak or a notch stands within the disc, its mean decides how much light
 //! passes, not its height at the disc's middle.
 //!
-//! At 190 nodes of a wavy terrain in the penumbra the line through three exact azimuths misses the share of the disc above
-//! traced columns by 0.0017 RMS, a level line by 0.010; planes 0.15° apart, themselves in columns, by 0.0005.
+//! What the line loses: `docs/experiments/shadow_methods.md`.
 //!
 //! Both are linear in the planes' elevations, so that planes are added one after the other and need not be kept.
 
@@ -22,13 +21,17 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::skylines::{Aim, Feet, HeldLight, Skyline, WIDEST_RAD};
+use super::light::{Pointing, QuantizedLight, WIDEST_RAD};
+use super::skylines::{Skyline, SurfacePoints};
 use crate::horizon::settings::direction;
-use crate::terrain::{Gnomonic, Level};
+use crate::terrain::{Gnomonic, Level, Surface};
 
 /// Places across the disc, in its half widths, and their shares.
 const ACROSS: [[f32; 2]; 5] =
     [[-0.866_025_4, 1.0 / 12.0], [-0.5, 0.25], [0.0, 1.0 / 3.0], [0.5, 0.25], [0.866_025_4, 1.0 / 12.0]];
+
+/// Between two azimuths where nobody asks for another step, in degrees.
+pub const STEP_DEG: f64 = 0.15;
 
 /// Below this half width a disc has no slope.
 const NARROWEST_RAD: f32 = 1e-6;
@@ -69,35 +72,35 @@ struct Places {
     half_width: [f32; LANES],
 }
 
-/// From where a light is seen.
+/// Nodes of a level, and a light as seen from them.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
+pub struct LitNodes<'a> {
     pub map: &'a Gnomonic,
-    pub feet: Feet<'a>,
-    pub light: &'a HeldLight,
+    pub points: SurfacePoints<'a>,
+    pub light: &'a QuantizedLight,
 }
 
-impl Sight<'_> {
-    pub fn aim(&self, node: usize) -> Aim {
-        self.light.aim(self.map, self.feet.lifted(node))
+impl LitNodes<'_> {
+    pub fn pointing(&self, node: usize) -> Pointing {
+        self.light.pointing(self.map, self.points.lifted(node))
     }
 }
 
 impl Fan {
     /// The azimuths of lights on a level, no wider apart than `step_rad` unless they would be more than `most`; at least
     /// three.
-    pub fn over(map: &Gnomonic, level: &Level, lights: &[HeldLight], step_rad: f64, most: usize) -> Self {
+    pub fn over(map: &Gnomonic, level: &Level, lights: &[QuantizedLight], step_rad: f64, most: usize) -> Self {
         let rim = rim(level);
         let centre = level.lifted_node(level.columns / 2, level.rows / 2);
-        let middle = lights.first().map_or(DVec2::Y, |light| light.aim(map, centre).towards);
+        let middle = lights.first().map_or(DVec2::Y, |light| light.pointing(map, centre).towards);
         let mut fan = Self { step_rad, first: 0, planes: 0, middle, middle_rad: middle.x.atan2(middle.y) };
         let mut ends_rad = [f64::INFINITY, f64::NEG_INFINITY];
         for light in lights {
             for &[column, row] in &rim {
-                let aim = light.aim(map, level.lifted_node(column, row));
-                let turn_rad = fan.turn_rad(aim.towards);
-                ends_rad[0] = ends_rad[0].min(turn_rad - aim.half_width_rad);
-                ends_rad[1] = ends_rad[1].max(turn_rad + aim.half_width_rad);
+                let pointing = light.pointing(map, level.lifted_node(column, row));
+                let turn_rad = fan.turn_rad(pointing.towards);
+                ends_rad[0] = ends_rad[0].min(turn_rad - pointing.half_width_rad);
+                ends_rad[1] = ends_rad[1].max(turn_rad + pointing.half_width_rad);
             }
             if overhead(map, level, light) {
                 ends_rad = [-PI - WIDEST_RAD, PI + WIDEST_RAD];
@@ -130,30 +133,30 @@ impl Fan {
     }
 
     /// Whether a light's disc lies between the fan's outermost planes.
-    pub fn spans(&self, aim: &Aim) -> bool {
-        let (at, half_width) = self.steps(aim);
+    pub fn spans(&self, pointing: &Pointing) -> bool {
+        let (at, half_width) = self.steps(pointing);
         // The rim of a level is where azimuths are outermost but for the parallax of heights.
         (at - half_width) > -0.01 && at + half_width < (self.planes - 1) as f64 + 0.01
     }
 
-    fn steps(&self, aim: &Aim) -> (f64, f64) {
-        let at = (self.middle_rad + self.turn_rad(aim.towards)) / self.step_rad - self.first as f64;
-        (at, aim.half_width_rad / self.step_rad)
+    fn steps(&self, pointing: &Pointing) -> (f64, f64) {
+        let at = (self.middle_rad + self.turn_rad(pointing.towards)) / self.step_rad - self.first as f64;
+        (at, pointing.half_width_rad / self.step_rad)
     }
 
     /// Adds to the lines of a level's nodes what `planes` of elevations, by plane and node, have in them.
     pub fn add(
         &self,
         field: &mut [Skyline],
-        sight: &Sight,
+        lit: &LitNodes,
         planes: &Range<usize>,
         elevation_rad: impl Fn(usize, usize) -> f32 + Sync,
     ) {
-        let columns = sight.feet.columns;
+        let columns = lit.points.columns;
         field.par_chunks_mut(columns).enumerate().for_each(|(row, lines)| {
             for (block, lines) in lines.chunks_mut(LANES).enumerate() {
                 let (first, last) = (row * columns + block * LANES, lines.len() - 1);
-                let places = self.places(sight, first, lines.len());
+                let places = self.places(lit, first, lines.len());
                 let near = self.near(&places);
                 for plane in near.start.max(planes.start)..near.end.min(planes.end) {
                     let elevations_rad = std::array::from_fn(|lane| elevation_rad(plane, first + lane.min(last)));
@@ -164,8 +167,8 @@ impl Fan {
     }
 
     /// The discs of nodes side by side.
-    fn places(&self, sight: &Sight, first: usize, count: usize) -> Places {
-        let exact = |lane: usize| self.steps(&sight.aim(first + lane.min(count - 1)));
+    fn places(&self, lit: &LitNodes, first: usize, count: usize) -> Places {
+        let exact = |lane: usize| self.steps(&lit.pointing(first + lane.min(count - 1)));
         let (low, high) = (exact(0), exact(count - 1));
         let even = (high.0 - low.0).abs() * self.step_rad < EVEN_RAD;
         let mut places = Places::default();
@@ -212,8 +215,25 @@ impl Fan {
     }
 }
 
+/// Azimuths of all lights, each over its places in the exposures, no wider apart than `step_rad`: by light, face and level.
+pub fn fans(surface: &Surface, exposures: &[Vec<QuantizedLight>], step_rad: f64) -> Vec<Vec<Vec<Fan>>> {
+    let of_light = |light: usize| {
+        let places: Vec<QuantizedLight> = exposures.iter().map(|lights| lights[light]).collect();
+        let of_level = |map: &Gnomonic, level: &Level| Fan::over(map, level, &places, step_rad, usize::MAX);
+        let faces = surface.terrain.faces.iter();
+        faces.map(|face| face.levels.iter().map(|level| of_level(&face.map, level)).collect()).collect()
+    };
+    (0..exposures.first().map_or(0, Vec::len)).map(of_light).collect()
+}
+
+/// The most planes, [`STEP_DEG`] apart, that a level gets towards one light.
+pub fn azimuths_spanned(surface: &Surface, exposures: &[Vec<QuantizedLight>]) -> usize {
+    let fans = fans(surface, exposures, STEP_DEG.to_radians());
+    fans.iter().flatten().flatten().map(|fan| fan.planes).max().unwrap_or(0)
+}
+
 /// Whether a light stands in the zenith of a map point of a level, or in the nadir: there it has all azimuths.
-fn overhead(map: &Gnomonic, level: &Level, light: &HeldLight) -> bool {
+fn overhead(map: &Gnomonic, level: &Level, light: &QuantizedLight) -> bool {
     let towards = map.map_vector(light.position);
     level.sees(towards.truncate() * (map.radius_m / towards.z))
 }
@@ -249,10 +269,10 @@ mod tests {
     }
 
     /// The Sun over the middle of the map.
-    fn sun(map: &Gnomonic, azimuth_rad: f64, elevation_rad: f64) -> HeldLight {
+    fn sun(map: &Gnomonic, azimuth_rad: f64, elevation_rad: f64) -> QuantizedLight {
         let ((sin_a, cos_a), (sin_e, cos_e)) = (azimuth_rad.sin_cos(), elevation_rad.sin_cos());
         let towards = map.map_from_body.inverse().turn(glam::DVec3::new(cos_e * sin_a, cos_e * cos_a, sin_e));
-        HeldLight::new(Position::from_m(1.5e11 * towards), 0.00465)
+        QuantizedLight::new(Position::from_m(1.5e11 * towards), 0.00465)
     }
 
     fn map() -> Gnomonic {
@@ -260,12 +280,17 @@ mod tests {
     }
 
     /// Lines of all nodes where the skyline is a function of azimuth.
-    fn lines(level: &Level, light: &HeldLight, step_deg: f64, skyline: impl Fn(f64) -> f64 + Sync) -> Vec<Skyline> {
-        let (map, feet) = (map(), Feet::of(level));
+    fn lines(
+        level: &Level,
+        light: &QuantizedLight,
+        step_deg: f64,
+        skyline: impl Fn(f64) -> f64 + Sync,
+    ) -> Vec<Skyline> {
+        let (map, points) = (map(), SurfacePoints::of(level));
         let fan = Fan::over(&map, level, &[*light], step_deg.to_radians(), usize::MAX);
-        let mut field = vec![[0.0; 2]; feet.count()];
-        let sight = Sight { map: &map, feet, light };
-        fan.add(&mut field, &sight, &(0..fan.planes), |plane, _| skyline(fan.azimuth_rad(plane)) as f32);
+        let mut field = vec![[0.0; 2]; points.count()];
+        let lit = LitNodes { map: &map, points, light };
+        fan.add(&mut field, &lit, &(0..fan.planes), |plane, _| skyline(fan.azimuth_rad(plane)) as f32);
         field
     }
 
@@ -279,7 +304,7 @@ mod tests {
             let height = |azimuth_rad: f64| 0.04 + 0.3 * (azimuth_rad - middle_rad + PI).rem_euclid(TAU) - 0.3 * PI;
             let field = lines(&level, &light, 0.15, height);
             for (index, [elevation_rad, slope]) in field.into_iter().enumerate() {
-                let towards = light.aim(&map(), Feet::of(&level).lifted(index)).towards;
+                let towards = light.pointing(&map(), SurfacePoints::of(&level).lifted(index)).towards;
                 let expected = height(towards.x.atan2(towards.y));
                 assert!((f64::from(elevation_rad) - expected).abs() < 1e-6, "{azimuth_deg}° {index}: {elevation_rad}");
                 assert!((slope - 0.3).abs() < 1e-3, "{azimuth_deg}° {index}: {slope}");
@@ -293,7 +318,7 @@ mod tests {
     fn a_peak_within_the_disc_counts_by_its_mean() {
         let light = sun(&map(), 1.0, 0.05);
         let level = flat(3);
-        let half_width_rad = light.aim(&map(), level.lifted_node(1, 1)).half_width_rad;
+        let half_width_rad = light.pointing(&map(), level.lifted_node(1, 1)).half_width_rad;
         let peak = |azimuth_rad: f64| -(azimuth_rad - 1.0).abs() / half_width_rad;
         let [elevation, slope] = lines(&level, &light, 0.001, peak)[4];
         assert!(
@@ -312,9 +337,12 @@ mod tests {
             let fan = Fan::over(&map, &level, &lights, step_deg.to_radians(), usize::MAX);
             assert!(fan.planes >= 3 && fan.step_rad <= step_deg.to_radians() + 1e-12, "{fan:?}");
             for light in &lights {
-                assert!((0..Feet::of(&level).count()).all(|i| fan.spans(&light.aim(&map, Feet::of(&level).lifted(i)))));
+                assert!(
+                    (0..SurfacePoints::of(&level).count())
+                        .all(|i| fan.spans(&light.pointing(&map, SurfacePoints::of(&level).lifted(i))))
+                );
             }
-            let other = sun(&map, 1.2, 0.05).aim(&map, level.lifted_node(0, 0));
+            let other = sun(&map, 1.2, 0.05).pointing(&map, level.lifted_node(0, 0));
             assert!(!fan.spans(&other) || step_deg == 5.0);
         }
     }

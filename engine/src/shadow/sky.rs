@@ -25,7 +25,7 @@ use rayon::prelude::*;
 pub use harmonics::Harmonics;
 pub use wedges::{Wedges, wedge};
 
-use super::Multiscale;
+use super::multiscale::Multiscale;
 use crate::horizon::HorizonMap;
 use crate::horizon::settings::direction;
 use crate::terrain::{Gnomonic, Surface};

@@ -1,23 +1,94 @@
 //! Shadows traced over every grid line of the terrain: the truth that others are held to.
 
-use super::{Disc, Shadow, Site};
+use std::sync::Arc;
+
+use super::device::{DeviceError, DevicePart};
+use super::light::QuantizedLight;
+use super::method::{Bench, Family, Ingredients, MethodOptions, Named, PrepareError, ShadowMethod};
+use super::site::{Disc, Shadow, Site};
+use super::skylines::{Skylines, UnpreparedLight};
 use crate::geometry::Direction;
+use crate::gpu::Gpu;
 use crate::horizon::Settings;
 use crate::horizon::trace::Tracer;
-use crate::photometry::DiskLight;
+use crate::photometry::{DiskLight, SolarDisk};
 use crate::terrain::Surface;
 
 /// Beyond the disc's edge whatever the tangent's second order and rounding do.
 const BEYOND_DISC: f64 = 1.01;
 
-/// The believed horizon, traced anew for each site and each column of the disc.
+pub const FAMILY: Family = Family {
+    named: &[Named {
+        name: "traced",
+        bench: Bench::Unlisted,
+        hard_cases: true,
+        auto: false,
+        options: || Box::new(Options),
+    }],
+    patterns: &[],
+    parse: |_| None,
+};
+
+/// How traced shadows are asked for: there are no options.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options;
+
+impl MethodOptions for Options {
+    fn spelling(&self) -> String {
+        "Traced".into()
+    }
+
+    fn runs_on_device(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, ingredients: Ingredients) -> Result<Arc<dyn ShadowMethod>, PrepareError> {
+        Ok(Arc::new(Traced { settings: ingredients.settings }))
+    }
+}
+
+/// The exact horizon at every sample: slow, and only for the reference renderer.
+#[derive(Debug, Clone, Copy)]
+pub struct Traced {
+    pub settings: Settings,
+}
+
+impl ShadowMethod for Traced {
+    fn name(&self) -> &'static str {
+        "traced"
+    }
+
+    fn shadow<'a>(
+        &'a self,
+        surface: &'a Surface,
+        _: &SolarDisk,
+        _: &[QuantizedLight],
+        _: &Skylines,
+    ) -> Result<Option<Box<dyn Shadow + 'a>>, UnpreparedLight> {
+        Ok(Some(Box::new(TracedShadow { surface, settings: self.settings })))
+    }
+
+    fn device(&self, _: &Gpu, _: &Surface, _: &SolarDisk) -> Result<DevicePart, DeviceError> {
+        Err(DeviceError::HostOnly(self.name()))
+    }
+
+    fn runs_on_device(&self) -> bool {
+        false
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+}
+
+/// The exact horizon, traced anew for each site and each column of the disc.
 #[derive(Debug)]
-pub struct Traced<'a> {
+pub struct TracedShadow<'a> {
     pub surface: &'a Surface,
     pub settings: Settings,
 }
 
-impl Shadow for Traced<'_> {
+impl Shadow for TracedShadow<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
         // A facet that turns away from the whole disc needs no skyline.
         if disc.facet.height <= -disc.facet.slope.length() {

@@ -22,6 +22,9 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::geometry::{Body, BodyFixed, Direction, Geodetic, Map, Position, Rotation};
 
+/// How azimuths on the map grow with those on the ground, for shaders: [`Gnomonic::azimuth_ratio`].
+pub const AZIMUTH_RATIO_WGSL: &str = include_str!("azimuth_ratio.wgsl");
+
 /// A gnomonic map with its lifted heights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gnomonic {

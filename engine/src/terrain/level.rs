@@ -173,3 +173,11 @@ pub struct Terrain {
     pub body: Body,
     pub faces: Vec<Face>,
 }
+
+impl Terrain {
+    /// Nodes of the seen parts of all levels.
+    pub fn seen_nodes(&self) -> usize {
+        let seen = |level: &Level| level.seen_nodes();
+        self.faces.iter().flat_map(|face| &face.levels).map(seen).sum()
+    }
+}

@@ -37,7 +37,6 @@ struct MapLevel {
     // Where the horizon map's resolution levels begin.
     horizon: vec4u,
     face: u32,
-    has_horizon: u32,
     horizon_table: u32,
-    padding: u32,
+    padding: vec2u,
 }

@@ -14,7 +14,7 @@ pub mod synthetic;
 
 pub use build::{GlobalDem, NestedDem, ResamplingError, build_cube, build_face, build_tile, drawn_tile};
 pub use cut::Cut;
-pub use gnomonic::Gnomonic;
+pub use gnomonic::{AZIMUTH_RATIO_WGSL, Gnomonic};
 pub use level::{Face, Level, Terrain};
 pub use mesh::Mesh;
 pub use pyramid::Pyramid;

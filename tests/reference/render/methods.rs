@@ -1,11 +1,14 @@
 //! Maximum mipmaps and the multi-scale pyramid against closed forms, and on hard cases.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::Body;
-use perilune_engine::render::{Renderer, Scene, Shadows};
-use perilune_engine::shadow::{Mipmaps, Multiscale};
+use perilune_engine::render::{Renderer, Scene};
+use perilune_engine::shadow::ShadowMethod;
+use perilune_engine::shadow::mipmaps::Mipmaps;
+use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::terrain::{Ground, Terrain};
 
 use crate::conformance::render::scenes as conformance_scenes;
@@ -14,11 +17,11 @@ use crate::scenes::{self, Grid, Row, flat_body, map};
 /// The Sun stands in the west, its light travels towards map +X.
 const WEST_RAD: f64 = -FRAC_PI_2;
 
-fn mipmaps(runs: &[u32]) -> Shadows {
-    Shadows::Mipmaps(Mipmaps::of(runs))
+fn mipmaps(runs: &[u32]) -> Arc<dyn ShadowMethod> {
+    Arc::new(Mipmaps::of(runs))
 }
 
-fn lit(terrain: &Terrain, shadows: Shadows) -> Scene {
+fn lit(terrain: &Terrain, shadows: Arc<dyn ShadowMethod>) -> Scene {
     scenes::scene(terrain.clone()).with_shadows(shadows)
 }
 
@@ -70,7 +73,7 @@ fn mipmaps_know_the_curvature_of_the_moon() {
     for (elevation_deg, expected_m) in [(2.0f64, 46_330.0), (3.0, 21_657.0), (5.0, 11_896.0)] {
         let row = Row { west_m: expected_m - 4000.0, east_m: expected_m + 4000.0 };
         let view = row.view(&map, scenes::sun(&map, WEST_RAD, elevation_deg.to_radians()));
-        for (renderer, samples) in scenes::samples(&lit(&terrain, Shadows::Mipmaps(method.clone())), &view) {
+        for (renderer, samples) in scenes::samples(&lit(&terrain, Arc::new(method.clone())), &view) {
             let edges_m = row.edges_m(&samples);
             println!("{elevation_deg}° {renderer}: {edges_m:?}, expected {expected_m} m");
             assert_eq!(edges_m.len(), 1, "{renderer} {elevation_deg}");
@@ -154,18 +157,14 @@ fn no_hard_case_ends_in_nan() {
     let hard = ["nested, low", "cube from 5000 km"];
     for (name, scene, view) in conformance_scenes().into_iter().filter(|(name, ..)| hard.contains(name)) {
         let terrain = scene.surface.terrain.clone();
-        let methods = [
-            mipmaps(&[5, 5, 5]),
-            mipmaps(&[1, 15]),
-            Shadows::Towards(Box::new(Multiscale::new(&terrain, 1, 1.0, 0.03))),
-        ];
+        let methods = [mipmaps(&[5, 5, 5]), mipmaps(&[1, 15]), Arc::new(Multiscale::new(&terrain, 1, 1.0, 0.03))];
         let up = terrain.faces[0].map.map_from_body.inverse().turn(DVec3::Z);
         let side = up.any_orthonormal_vector();
         let suns = [up, -up, side, (side - 0.01 * up).normalize()];
         let optics = scenes::pinhole(20, 15, view.optics.focal_px.x / 8.0);
         for shadows in methods {
             // Fields are found for one light; the reference renderer finds them for every image.
-            let suns = if shadows.towards().is_some() { &suns[2..] } else { &suns[..] };
+            let suns = if shadows.skylines().is_some() { &suns[2..] } else { &suns[..] };
             let scene = scenes::scene(terrain.clone()).with_shadows(shadows);
             for &sun in suns {
                 let view = scenes::view(view.pose(), vec![scenes::light(sun)]).with_optics(optics.clone());

@@ -1,11 +1,13 @@
 //! Edges of shadows, traced and from horizon maps.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
 
 use glam::DVec2;
 use perilune_engine::geometry::Body;
 use perilune_engine::horizon::Settings;
-use perilune_engine::render::{Quantity, Scene, Shadows, planes};
+use perilune_engine::render::{Quantity, Scene, planes};
+use perilune_engine::shadow::{ShadowMethod, registry};
 use perilune_engine::terrain::Terrain;
 
 use crate::scenes::{self, Grid, Row, SOLAR_RADIUS_RAD, flat_body, map};
@@ -75,7 +77,7 @@ fn the_penumbra_of_a_straight_edge_is_the_share_of_the_disc() {
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, elevation_rad));
     for scene in scenes::shadowed(step()) {
         let scene = scene.with_disk(scenes::disk(0.507909));
-        let bound = if matches!(*scene.shadows, Shadows::Traced(_)) { 2e-3 } else { 0.06 };
+        let bound = if scene.shadows.is_exact() { 2e-3 } else { 0.06 };
         for (renderer, samples) in scenes::samples(&scene, &view) {
             let fractions = row.fractions(&samples);
             for (height, expected) in table {
@@ -98,8 +100,8 @@ fn refinement_settles_what_horizon_maps_leave_open_and_sigma_says_where() {
     let map = map(&flat_body());
     let view = row.view(&map, scenes::sun(&map, WEST_RAD, 3f64.to_radians()));
     let view = view.with_quantities([Quantity::SunFractionSigma]);
-    let scene = |shadows: Shadows| scenes::scene(step()).with_shadows(shadows);
-    let traced = scene(Shadows::Traced(Settings::default()));
+    let scene = |shadows: Arc<dyn ShadowMethod>| scenes::scene(step()).with_shadows(shadows);
+    let traced = scene(registry::reference(Settings::default()));
     let truth = &scenes::samples(&traced, &view)[0].1;
     let maps = scene(scenes::fourier(&step()));
     let sigma = |scene: &Scene, samples: &_| planes::image(scene, &view, samples).planes[0].values.clone();
@@ -311,7 +313,7 @@ fn a_hole_in_the_dem_shades_nothing_far_away() {
             assert!(a.pixels.iter().any(|pixel| pixel.sun_fraction > 0.1), "a scene with light");
             for (p, q) in a.pixels.iter().zip(&b.pixels) {
                 // Series truncate a hill's absence differently: 2e-4 rad here.
-                let bound = if matches!(*whole.shadows, Shadows::Traced(_)) { 1e-6 } else { 0.05 };
+                let bound = if whole.shadows.is_exact() { 1e-6 } else { 0.05 };
                 assert!((p.sun_fraction - q.sun_fraction).abs() < bound, "{}", scenes::name(&whole, renderer));
             }
         }

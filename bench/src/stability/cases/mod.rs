@@ -13,7 +13,8 @@ use super::Case;
 use super::case::Judge;
 use super::scenes::{Row, scene};
 use perilune_engine::geometry::Body;
-use perilune_engine::render::{Light, Renderer, Samples, Scene, Shadows, View};
+use perilune_engine::render::{Light, Renderer, Samples, Scene, View};
+use perilune_engine::shadow::registry::reference;
 use perilune_engine::terrain::Terrain;
 
 /// Where the Sun of most cases stands: its light travels towards map +X.
@@ -92,7 +93,7 @@ fn shares(expected: impl Fn(usize, glam::DVec2) -> Option<f64> + 'static) -> Jud
 
 /// The mean error of the share of the disc against a traced image of the only view.
 fn against_traced(scene: &mut Scene, view: &View) -> Judge {
-    *scene = scene.clone().with_shadows(Shadows::Traced(Default::default()));
+    *scene = scene.clone().with_shadows(reference(Default::default()));
     // Small terrain, a law and a camera in their domains: the reference renders it.
     let truth = Renderer::Reference.samples(scene, view).map(|image| image.pixels).unwrap_or_default();
     Box::new(move |images: &[Samples]| {

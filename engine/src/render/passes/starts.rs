@@ -22,8 +22,6 @@ use crate::render::layout::RayWindow;
 use crate::render::{RenderError, Scene, View};
 use crate::terrain::{Level, Mesh};
 
-use super::upload::fits;
-
 /// The drawing pass, as one text.
 pub const SHADER: &str =
     concat!(include_str!("../mesh.wgsl"), include_str!("../ray_window.wgsl"), include_str!("../../terrain/maps.wgsl"));
@@ -72,7 +70,7 @@ impl DeviceMesh {
             corners.extend_from_slice(&mesh.corners);
             draws.push((first..corners.len() as u32, level));
         }
-        fits::<[f32; 3]>(gpu, "corners of the coarse mesh", corners.len(), 1)?;
+        gpu.fits::<[f32; 3]>("corners of the coarse mesh", corners.len(), 1)?;
         let pipeline = gpu.depth_pipeline("coarse mesh", SHADER, "corner")?;
         Ok(Self { pipeline, corners: gpu.storage("corners", &corners), draws, meshes })
     }

@@ -13,7 +13,7 @@ use crate::terrain::Hit;
 pub fn trace_uncertain(scene: &Scene, rays: &Rays, view: &View, diffuse: Option<&Diffuse>, samples: &mut Samples) {
     let Some(shadow) = UncertainTraced::of(scene) else { return };
     let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
-    let is_open = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| is_open(scene, view, &shadow.maps, hit));
+    let is_open = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| is_open(scene, view, shadow.maps.as_ref(), hit));
     let open: Vec<bool> = samples.centres.par_iter().map(is_open).collect();
     let reach = usize::from(rays.samples_per_side > 1);
     let concerned = |index: usize| {

@@ -139,11 +139,11 @@ pub enum Sky {
     /// From a multi-scale pyramid of heights and spherical harmonics (Snyder & Nowrouzezahrai 2008): no horizon maps.
     Multiscale {
         /// Images in each halving of the resolution.
-        #[serde(default = "super::world::default_level_step")]
+        #[serde(default = "default_level_step")]
         #[schemars(range(min = 1, max = 16))]
         level_step: u32,
         /// Halvings by which images are finer than their distance: more is sharper.
-        #[serde(default = "super::world::default_level_offset")]
+        #[serde(default = "default_level_offset")]
         #[schemars(range(min = 0.0, max = 16.0))]
         level_offset: f64,
         /// Directions all round.
@@ -156,4 +156,12 @@ pub enum Sky {
 /// 16 to 32 are published for light from all round.
 fn default_sky_azimuths() -> u32 {
     16
+}
+
+fn default_level_step() -> u32 {
+    4
+}
+
+fn default_level_offset() -> f64 {
+    2.0
 }

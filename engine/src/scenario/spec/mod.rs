@@ -3,6 +3,7 @@
 mod camera;
 mod light;
 mod output;
+mod shadows;
 mod surface;
 mod sweep;
 mod view;
@@ -19,10 +20,11 @@ pub use camera::{
 };
 pub use light::{Ambient, Bounce, Disc, Earthshine, FixedSun, LimbLaw, Sky, Spectrum, Sun};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
+pub use shadows::Shadows;
 pub use surface::{Albedo, Photometry, Surface};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
-pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, ShadowPreset, Shadows, Terrain};
+pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, Terrain};
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,7 +53,7 @@ pub struct Spec {
     #[serde(default)]
     pub shadows: Shadows,
     /// Settles by tracing, pixel by pixel, what horizon maps leave open: where their own error could change the Sun's share.
-    /// For the shadows Fourier and Baked. Takes seconds an image.
+    /// For shadows from horizon maps with all their coefficients, without visibility. Takes seconds an image.
     #[serde(default)]
     pub refine: bool,
     /// How the first ground along a ray from the camera is found.

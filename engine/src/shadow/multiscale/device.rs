@@ -9,12 +9,13 @@ use wgpu::{Buffer, ComputePipeline};
 
 use super::{EDGE, HeightPyramid, Multiscale};
 use crate::gpu::{Gpu, GpuError, workgroups};
-use crate::shadow::HeldLight;
-use crate::shadow::skylines::Feet;
+use crate::shadow::device::FieldMaker;
+use crate::shadow::light::QuantizedLight;
+use crate::shadow::skylines::SurfacePoints;
 use crate::terrain::{Face, Gnomonic, Terrain};
 
 /// The pass, as one text.
-pub const SHADER: &str = concat!(include_str!("../multiscale.wgsl"), include_str!("../../horizon/arc_tangent.wgsl"));
+pub const SHADER: &str = concat!(include_str!("multiscale.wgsl"), include_str!("../../horizon/arc_tangent.wgsl"));
 
 /// Nodes of a workgroup, as in the shader.
 const GROUP: u32 = 64;
@@ -85,15 +86,15 @@ impl OnDevice {
         let levels = terrain.faces.iter().zip(&method.pyramids).map(of_face).collect();
         Ok(Some(Self { pipeline: gpu.compute("multiscale", SHADER, "main", &[("EDGE", EDGE)])?, levels }))
     }
+}
 
-    /// Writes the skylines of a level's seen nodes towards a light from element `offset` of `fields` on; the seconds that it
-    /// took where the device tells them.
-    pub fn field(
+impl FieldMaker for OnDevice {
+    fn field(
         &self,
         gpu: &Gpu,
         map: &Gnomonic,
         [face, level]: [usize; 2],
-        light: &HeldLight,
+        light: &QuantizedLight,
         fields: &Buffer,
         offset: usize,
     ) -> Option<f64> {
@@ -116,7 +117,7 @@ impl OnLevel {
         level: usize,
         heights_m: Buffer,
     ) -> Self {
-        let (own, feet) = (&face.levels[level], Feet::of(&face.levels[level]));
+        let (own, points) = (&face.levels[level], SurfacePoints::of(&face.levels[level]));
         let scales: Vec<[f64; 2]> = method.scales(&pyramids[level..]).collect();
         let texels_m = std::iter::once(0.0).chain(scales.iter().map(|[_, texel_m]| *texel_m));
         let seen_from = &pyramids[level].images[0];
@@ -134,7 +135,7 @@ impl OnLevel {
             first: (own.node_m(own.margin, own.margin) / radius_m).as_vec2(),
             spacing: (own.posting_m / radius_m) as f32,
             radius_m: radius_m as f32,
-            seen: UVec2::new(feet.columns as u32, feet.rows as u32),
+            seen: UVec2::new(points.columns as u32, points.rows as u32),
             margin: own.margin as u32,
             offset: 0,
             levels: (pyramids.len() - level) as u32,

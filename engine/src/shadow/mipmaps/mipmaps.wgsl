@@ -169,3 +169,12 @@ fn mipmap_line(facet: Facet, towards: vec2f, s: vec3f, radius_rad: f32) -> vec2f
     let distance_cosine = max((cos_elevation + tangent * sin_elevation) * secant, FARTHEST_COSINE);
     return vec2f(distance_sine / (distance_cosine * radius_rad), 0.0);
 }
+
+fn light_over_terrain(facet: Facet, index: u32, light: LightParameters, s: vec3f, plane: vec3f) -> DiskLight {
+    let towards = direction_to_light(facet, s);
+    if all(towards == vec2f(0.0)) {
+        return disk_light(-1.0e3, 0.0, plane);
+    }
+    let line = mipmap_line(facet, towards, s, light.radius_rad);
+    return disk_light(line.x, line.y, plane);
+}

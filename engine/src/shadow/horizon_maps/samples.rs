@@ -1,44 +1,24 @@
-//! Shadows from Fourier-compressed horizon maps.
+//! Horizon maps evaluated at every sample.
 //!
 //! Across a disc as small as the Sun's the skyline is straight: its elevation and slope at the azimuth of
 //! the disc's centre.
-//!
-//! # References
-//! Fritsch et al. (2025), horizon maps as truncated Fourier series.
 
 use glam::DVec2;
 
-use super::skylines::line;
-use super::{Disc, Shadow, Site};
 use crate::horizon::HorizonMap;
 use crate::photometry::DiskLight;
+use crate::shadow::site::{BoundedShadow, Disc, Shadow, Site};
+use crate::shadow::skylines::line;
 use crate::terrain::Surface;
 
-/// Horizon maps by face and level.
+/// Horizon maps by face and level as a source of shadows.
 #[derive(Debug)]
-pub struct FourierMaps<'a> {
+pub struct MapShadow<'a> {
     pub surface: &'a Surface,
     pub maps: &'a [Vec<HorizonMap>],
 }
 
-impl FourierMaps<'_> {
-    /// Standard deviation of the share of a disc that is seen; `None` where nothing is known of the skyline's error.
-    pub fn sigma(&self, site: &Site, disc: &Disc) -> Option<f64> {
-        let (map, grid) = self.at(site);
-        let sigma_rad = map.sigma_rad(grid)?;
-        let [below, above] = self.between(site, disc, sigma_rad).map(|light| light.fraction);
-        Some((above - below).abs() / 2.0)
-    }
-
-    /// Whether the skyline's bound lets more than one share of a disc be seen.
-    pub fn is_open(&self, site: &Site, disc: &Disc) -> bool {
-        let (map, grid) = self.at(site);
-        map.bound_rad(grid).is_none_or(|bound_rad| {
-            let [below, above] = self.between(site, disc, bound_rad);
-            below != above
-        })
-    }
-
+impl MapShadow<'_> {
     /// The light above a skyline that is lower by an angle, and higher by it.
     fn between(&self, site: &Site, disc: &Disc, off_rad: f64) -> [DiskLight; 2] {
         let [elevation_rad, slope] = self.skyline(site, disc);
@@ -60,9 +40,26 @@ impl FourierMaps<'_> {
     }
 }
 
-impl Shadow for FourierMaps<'_> {
+impl Shadow for MapShadow<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
         let [elevation_rad, slope] = self.skyline(site, disc);
         line(site, disc, elevation_rad, slope)
+    }
+}
+
+impl BoundedShadow for MapShadow<'_> {
+    fn sigma(&self, site: &Site, disc: &Disc) -> Option<f64> {
+        let (map, grid) = self.at(site);
+        let sigma_rad = map.sigma_rad(grid)?;
+        let [below, above] = self.between(site, disc, sigma_rad).map(|light| light.fraction);
+        Some((above - below).abs() / 2.0)
+    }
+
+    fn is_open(&self, site: &Site, disc: &Disc) -> bool {
+        let (map, grid) = self.at(site);
+        map.bound_rad(grid).is_none_or(|bound_rad| {
+            let [below, above] = self.between(site, disc, bound_rad);
+            below != above
+        })
     }
 }

@@ -3,7 +3,7 @@
 //! A sweep finds the skylines of all nodes of a level in one azimuth in a time proportional to their number, whatever
 //! their distance ([`crate::horizon::sweep`]). Over a level the light's azimuth turns slightly: the few azimuths that
 //! bracket it and the disc's width are swept, and each node gets the line of its own azimuth between them
-//! ([`super::fan`]).
+//! ([`crate::shadow::fan`]).
 //!
 //! # Assumptions
 //! Between azimuths a step apart the skyline is straight. Where a light's azimuths span more than [`MOST_PLANES`] steps the
@@ -15,10 +15,12 @@
 
 use rayon::prelude::*;
 
-use super::fan::{Fan, Sight};
-use super::skylines::{Feet, Field, HeldLight, OutsideSwath, Towards};
 use crate::horizon::Settings;
 use crate::horizon::planes::Sweeps;
+use crate::shadow::fan::{Fan, LitNodes};
+use crate::shadow::light::QuantizedLight;
+use crate::shadow::method::ShadowMethod;
+use crate::shadow::skylines::{Field, SkylineSource, SurfacePoints, UnpreparedLight};
 use crate::terrain::Surface;
 
 /// As many azimuths as a horizon map is made from.
@@ -32,24 +34,36 @@ pub struct Swept {
     pub step_rad: f64,
 }
 
-impl Towards for Swept {
+impl ShadowMethod for Swept {
     fn name(&self) -> &'static str {
         "sweep"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for Swept {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
         let (terrain, nodes) = (&surface.terrain.faces[face], &surface.terrain.faces[face].levels[level]);
         let fan = Fan::over(&terrain.map, nodes, &[*light], self.step_rad, MOST_PLANES);
         let directions: Vec<_> = (0..fan.planes).map(|plane| fan.direction(plane)).collect();
         let sweeps = Sweeps::new(terrain, level, &self.settings, &directions);
-        let sight = Sight { map: &terrain.map, feet: Feet::of(nodes), light };
-        let mut field = vec![[0.0; 2]; sight.feet.count()];
+        let lit = LitNodes { map: &terrain.map, points: SurfacePoints::of(nodes), light };
+        let mut field = vec![[0.0; 2]; lit.points.count()];
         let at_once = rayon::current_num_threads();
         for first in (0..fan.planes).step_by(at_once) {
             let some = first..fan.planes.min(first + at_once);
             let swept: Vec<_> =
                 directions[some.clone()].par_iter().map(|direction| sweeps.elevations_rad(*direction)).collect();
-            fan.add(&mut field, &sight, &some, |plane, node| swept[plane - first][node]);
+            fan.add(&mut field, &lit, &some, |plane, node| swept[plane - first][node]);
         }
         Ok(field)
     }

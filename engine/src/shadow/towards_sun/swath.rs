@@ -2,33 +2,27 @@
 //!
 //! A landing lasts minutes, in which the Sun moves by 0.04°. Its disc, and the turn of azimuths over the map, span
 //! about 1°: a few planes of elevations at full accuracy ([`crate::horizon::planes`]) take the place of a whole
-//! horizon map. An exposure gets, at each node, the line of its own azimuth between them ([`super::fan`]).
+//! horizon map. An exposure gets, at each node, the line of its own azimuth between them ([`crate::shadow::fan`]).
 //!
 //! Two bytes a node and plane. Planes are kept as tiles, and made once for all exposures.
 //!
-//! Shadows against traced ones, at a step of 0.15°, one exposure a scene; errors of the irradiance in full Suns:
-//!
-//! | scene | method | bytes a node | agreement | RMS | RMS in the penumbra |
-//! |---|---|---|---|---|---|
-//! | connecting ridge, Sun at 1.9° | `fm16` | 21 | 99.61 % | 0.0020 | 0.016 |
-//! | | swath | 12 fine, 18 coarse | 99.73 % | 0.0007 | 0.004 |
-//! | cratered highland, six levels, Sun at 4.1° | `fm16` | 21 | 98.95 % | 0.0026 | 0.011 |
-//! | | swath | 12 to 32 | 99.18 % | 0.0016 | 0.004 |
-//!
-//! What is left is the interpolation between nodes: a sweep for the exposure alone errs as much.
+//! Accuracy beside horizon maps of all azimuths: `docs/experiments/shadow_methods.md`. What is left is the interpolation
+//! between nodes.
 //!
 //! # Assumptions
 //! Between planes a step apart the skyline is straight. A light must stay within the swath that was made for it:
-//! any other is an error ([`OutsideSwath`]).
+//! any other is an error ([`UnpreparedLight`]).
 
 use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::fan::{Fan, Sight};
-use super::skylines::{Feet, Field, HeldLight, OutsideSwath, Towards};
 use crate::horizon::planes::{self, StoredPlane, Sweeps};
 use crate::horizon::{Error, Settings};
+use crate::shadow::fan::{Fan, LitNodes, fans};
+use crate::shadow::light::QuantizedLight;
+use crate::shadow::method::ShadowMethod;
+use crate::shadow::skylines::{Field, SkylineSource, SurfacePoints, UnpreparedLight};
 use crate::terrain::{Surface, Terrain};
 
 /// 128 bytes a node: long before, Fourier maps are smaller.
@@ -54,17 +48,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The azimuths of lights, each given at all exposures, no wider apart than `step_rad`.
-    pub fn new(surface: &Surface, lights: &[Vec<HeldLight>], step_rad: f64) -> Self {
-        let of_light = |places: &Vec<HeldLight>| {
-            let faces = surface.terrain.faces.iter();
-            let fans = faces.map(|face| {
-                let fan = |level| Fan::over(&face.map, level, places, step_rad, usize::MAX);
-                face.levels.iter().map(fan).collect()
-            });
-            fans.collect()
-        };
-        Self { fans: lights.iter().map(of_light).collect() }
+    /// The azimuths of all lights of each exposure, no wider apart than `step_rad`.
+    pub fn new(surface: &Surface, lights: &[Vec<QuantizedLight>], step_rad: f64) -> Self {
+        Self { fans: fans(surface, lights, step_rad) }
     }
 
     /// The most planes that a level gets towards one light.
@@ -113,16 +99,16 @@ impl Strip {
         directory: &Path,
     ) -> Result<Self, Error> {
         let face = &terrain.faces[face];
-        let feet = Feet::of(&face.levels[level]);
+        let points = SurfacePoints::of(&face.levels[level]);
         let level_key = planes::level_key(&terrain.body, face, level, settings);
         let key = |plane: usize| planes::key(&level_key, fan.azimuth_rad(plane));
-        let known = |plane: usize| planes::read(directory, &key(plane), [feet.columns, feet.rows]).ok();
+        let known = |plane: usize| planes::read(directory, &key(plane), [points.columns, points.rows]).ok();
         let mut found: Vec<Option<StoredPlane>> = (0..fan.planes).into_par_iter().map(known).collect();
         let missing: Vec<usize> = (0..fan.planes).filter(|plane| found[*plane].is_none()).collect();
         let directions: Vec<_> = missing.iter().map(|plane| fan.direction(*plane)).collect();
         let sweeps = Sweeps::new(face, level, settings, &directions);
         let make = |&plane: &usize| {
-            let made = StoredPlane::new(feet.columns, &sweeps.elevations_rad(fan.direction(plane)));
+            let made = StoredPlane::new(points.columns, &sweeps.elevations_rad(fan.direction(plane)));
             planes::write(directory, &key(plane), fan.azimuth_rad(plane), &made)?;
             Ok::<_, Error>((plane, made))
         };
@@ -150,21 +136,33 @@ impl Swath {
     }
 }
 
-impl Towards for Swath {
+impl ShadowMethod for Swath {
     fn name(&self) -> &'static str {
         "swath"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for Swath {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
         let terrain = &surface.terrain.faces[face];
-        let feet = Feet::of(&terrain.levels[level]);
-        let sight = Sight { map: &terrain.map, feet, light };
-        let corners = [0, feet.columns - 1, feet.count() - feet.columns, feet.count() - 1];
+        let points = SurfacePoints::of(&terrain.levels[level]);
+        let lit = LitNodes { map: &terrain.map, points, light };
+        let corners = [0, points.columns - 1, points.count() - points.columns, points.count() - 1];
         let mut strips = self.strips.iter().map(|faces| &faces[face][level]);
-        let holds = |strip: &&Strip| corners.iter().all(|corner| strip.fan.spans(&sight.aim(*corner)));
-        let Strip { fan, planes } = strips.find(holds).ok_or(OutsideSwath { face, level })?;
-        let mut field = vec![[0.0; 2]; feet.count()];
-        fan.add(&mut field, &sight, &(0..planes.len()), |plane, node| planes[plane].elevation_rad(node));
+        let holds = |strip: &&Strip| corners.iter().all(|corner| strip.fan.spans(&lit.pointing(*corner)));
+        let Strip { fan, planes } = strips.find(holds).ok_or(UnpreparedLight { face, level })?;
+        let mut field = vec![[0.0; 2]; points.count()];
+        fan.add(&mut field, &lit, &(0..planes.len()), |plane, node| planes[plane].elevation_rad(node));
         Ok(field)
     }
 }

@@ -18,34 +18,16 @@ use std::convert::Infallible;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use super::skylines::{Field, HeldLight, Skylines, bilinear};
-use super::visibility::{Poise, Visibility};
-use super::{Disc, Shadow, Site};
+use super::maps::{At, HorizonMaps};
+use super::visibility::{DiscGeometry, Visibility};
 use crate::geometry::{Direction, Map};
 use crate::horizon::HorizonMap;
 use crate::photometry::{DiskLight, SolarDisk};
+use crate::shadow::light::QuantizedLight;
+use crate::shadow::site::{Disc, Shadow, Site};
+use crate::shadow::skylines::{Field, Skylines, bilinear};
 use crate::terrain::{Gnomonic, Surface};
-
-/// Where lighting factors are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum At {
-    /// At every sample of a pixel.
-    #[default]
-    Pixels,
-    /// At the terrain's nodes, once while the Sun stands still; interpolated between them.
-    Nodes,
-}
-
-/// Horizon maps by face and level, and what is made of them.
-#[derive(Debug)]
-pub struct Lighting {
-    pub maps: Vec<Vec<HorizonMap>>,
-    pub visibility: Visibility,
-    pub at: At,
-}
 
 /// A map and what a light's disc needs to be placed over it.
 struct Place<'a> {
@@ -67,7 +49,7 @@ impl Place<'_> {
             let (elevation_rad, slope) = horizon.evaluate_towards(towards);
             (elevation_rad, slope * self.map.azimuth_ratio(at_m, towards))
         };
-        visibility.share(disk, Poise { elevation_rad, angular_radius_rad }, skyline)
+        visibility.share(disk, DiscGeometry { elevation_rad, angular_radius_rad }, skyline)
     }
 }
 
@@ -78,9 +60,38 @@ fn beside(map: &Gnomonic, at_m: DVec2, sun: Direction<Map>, up: DVec3, sine: f64
     Direction::new(turned).map_or(DVec2::Y, |turned| map.map_direction(at_m, turned).normalize_or(DVec2::Y))
 }
 
-impl Lighting {
+/// Lighting factors as a source of shadows.
+#[derive(Debug)]
+pub struct LightingFactors<'a> {
+    surface: &'a Surface,
+    maps: &'a [Vec<HorizonMap>],
+    visibility: Visibility,
+    /// Their factors, where they are found at nodes.
+    fields: Option<Skylines>,
+}
+
+impl<'a> LightingFactors<'a> {
+    /// Factors of `visibility`; those of nodes are found towards `lights`.
+    pub fn new(
+        surface: &'a Surface,
+        method: &'a HorizonMaps,
+        visibility: Visibility,
+        disk: &SolarDisk,
+        lights: &[QuantizedLight],
+    ) -> Self {
+        let unfound = Self { surface, maps: &method.maps, visibility, fields: None };
+        let find = |light: &QuantizedLight, at: [usize; 2]| Ok::<_, Infallible>(unfound.nodes(disk, at, light));
+        let found = || {
+            let Ok(fields) = Skylines::default().found(surface, find, lights);
+            fields
+        };
+        let fields = (method.at == At::Nodes).then(found);
+        Self { fields, ..unfound }
+    }
+
     /// Factors of all nodes of a level, row by row.
-    fn nodes(&self, disk: &SolarDisk, surface: &Surface, [face, level]: [usize; 2], light: &HeldLight) -> Field {
+    fn nodes(&self, disk: &SolarDisk, [face, level]: [usize; 2], light: &QuantizedLight) -> Field {
+        let surface = self.surface;
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
         let horizons = &self.maps[face][level];
         let factor = |index: usize| {
@@ -94,27 +105,6 @@ impl Lighting {
     }
 }
 
-/// Lighting factors as a source of shadows.
-#[derive(Debug)]
-pub struct LightingFactors<'a> {
-    surface: &'a Surface,
-    lighting: &'a Lighting,
-    /// Their factors, where they are found at nodes.
-    fields: Option<Skylines>,
-}
-
-impl<'a> LightingFactors<'a> {
-    pub fn new(surface: &'a Surface, lighting: &'a Lighting, disk: &SolarDisk, lights: &[HeldLight]) -> Self {
-        let find = |light: &HeldLight, at: [usize; 2]| Ok::<_, Infallible>(lighting.nodes(disk, surface, at, light));
-        let found = || {
-            let Ok(fields) = Skylines::default().found(surface, find, lights);
-            fields
-        };
-        let fields = (lighting.at == At::Nodes).then(found);
-        Self { surface, lighting, fields }
-    }
-}
-
 impl Shadow for LightingFactors<'_> {
     fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
         if disc.facet.height <= 0.0 {
@@ -125,9 +115,9 @@ impl Shadow for LightingFactors<'_> {
         let fraction = match &self.fields {
             Some(fields) => bilinear(level, fields.field(disc.light, site.face, site.level), grid)[0],
             None => {
-                let horizons = &self.lighting.maps[site.face][site.level];
+                let horizons = &self.maps[site.face][site.level];
                 let place = Place { map: site.map, lifted: site.lifted, horizons, grid };
-                place.factor(self.lighting.visibility, disc.disk, disc.axes.sun, disc.angular_radius_rad)
+                place.factor(self.visibility, disc.disk, disc.axes.sun, disc.angular_radius_rad)
             }
         };
         DiskLight { fraction, ..DiskLight::NONE }

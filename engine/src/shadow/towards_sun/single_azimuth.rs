@@ -6,14 +6,14 @@
 //! β = max over k of elevation((H(P + t_k d) − H_P)/t_k)     t_k = k · spacing · posting            (eqs. 3–5)
 //! hard:   the whole disc where β ≤ α, else none of it, α the light's elevation at the node          (eq. 6)
 //! level:  the disc above a level skyline at β                                                       (Max 1988)
-//! sloped: the disc above the line nearest to β at three azimuths across it                          ([`super::fan`])
+//! sloped: the disc above the line nearest to β at three azimuths across it                          ([`crate::shadow::fan`])
 //! ```
 //!
 //! Lines are straight on the lifted map and tangents are turned into elevations there, so that bodies are round; where
 //! a level ends the line goes on over the next coarser one at that one's posting, and beyond the last one stands the bare
 //! sphere. The paper's angles lie between 0° and 90°; a skyline seen from a height is below the horizontal, and so it is here.
 //!
-//! [`believed`] is the paper's loop in `f64`, [`lanes`] samples neighbouring nodes of a row side by side in `f32`;
+//! [`mod@reference`] is the paper's loop in `f64`, [`lanes`] samples neighbouring nodes of a row side by side in `f32`;
 //! `tests/conformance/directional.rs` holds the two together.
 //!
 //! # Assumptions
@@ -25,16 +25,20 @@
 //! Aslandere, Flatken & Gerndt (2015), *A real-time physically based algorithm for hard shadows on dynamic height-fields*;
 //! Max (1988), *Horizon mapping: shadows for bump-mapped surfaces*, doi:10.1007/BF01905562.
 
-pub mod believed;
 pub mod lanes;
+pub mod reference;
+
+use std::fmt;
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fan::{THREE, line_of_three};
-use super::skylines::{Field, HeldLight, OutsideSwath, Skyline, Towards};
 use crate::horizon::Settings;
+use crate::shadow::fan::{THREE, line_of_three};
+use crate::shadow::light::QuantizedLight;
+use crate::shadow::method::ShadowMethod;
+use crate::shadow::skylines::{Field, Skyline, SkylineSource, UnpreparedLight};
 use crate::terrain::Surface;
 use lanes::{LANES, Lines};
 
@@ -50,6 +54,17 @@ pub enum Edge {
     Sloped,
 }
 
+/// As a scenario writes it.
+impl fmt::Display for Edge {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Hard => "Hard",
+            Self::Level => "Level",
+            Self::Sloped => "Sloped",
+        })
+    }
+}
+
 /// Steps towards each light, anew when it moves.
 #[derive(Debug, Clone, Copy)]
 pub struct SingleAzimuth {
@@ -60,7 +75,7 @@ pub struct SingleAzimuth {
     pub edge: Edge,
 }
 
-impl Towards for SingleAzimuth {
+impl ShadowMethod for SingleAzimuth {
     fn name(&self) -> &'static str {
         match self.edge {
             Edge::Hard => "single-azimuth-hard",
@@ -69,7 +84,19 @@ impl Towards for SingleAzimuth {
         }
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for SingleAzimuth {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
         let lines = Lines::new(surface, face, level, self.spacing, &self.settings);
         let (columns, rows) = lines.seen();
         let mut field = vec![[0.0; 2]; columns * rows];
@@ -84,10 +111,10 @@ impl Towards for SingleAzimuth {
 
 impl SingleAzimuth {
     /// The skylines of nodes side by side in a row, from `first` on.
-    fn block(&self, lines: &Lines, light: &HeldLight, first: [usize; 2], skylines: &mut [Skyline]) {
+    fn block(&self, lines: &Lines, light: &QuantizedLight, first: [usize; 2], skylines: &mut [Skyline]) {
         let count = skylines.len();
-        let aim = |lane: usize| light.aim(lines.map(), lines.foot([first[0] + lane, first[1]]));
-        let [west, middle, east] = [aim(0), aim(count / 2), aim(count - 1)];
+        let pointing = |lane: usize| light.pointing(lines.map(), lines.point([first[0] + lane, first[1]]));
+        let [west, middle, east] = [pointing(0), pointing(count / 2), pointing(count - 1)];
         if count > 1 && west.towards.distance(east.towards) > lanes::ALIKE_RAD {
             let (left, right) = skylines.split_at_mut(count / 2);
             self.block(lines, light, first, left);
@@ -108,7 +135,7 @@ impl SingleAzimuth {
             Edge::Hard => {
                 let elevations_rad = lines.elevations_rad(first, count, middle.towards);
                 for (lane, skyline) in skylines.iter_mut().enumerate() {
-                    let light_rad = aim(lane).elevation_rad;
+                    let light_rad = pointing(lane).elevation_rad;
                     *skyline = flag(elevations_rad[lane] <= light_rad, light_rad);
                 }
             }

@@ -30,6 +30,8 @@
 //! Fritsch et al. (2025), *Fast Planetary Shadows using Fourier-Compressed Horizon Maps*, section 3.3,
 //! doi:10.2312/hpg.20251171.
 
+use std::fmt;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,13 +47,25 @@ pub enum Visibility {
     CircularSegment,
     /// From the skyline at the middles of so many boxes that take the disc's place.
     Boxes(#[schemars(range(min = 1, max = 64))] u32),
-    /// From height and slope of the skyline at the disc's middle: the default of `Fourier`.
+    /// From height and slope of the skyline at the disc's middle.
     Line,
+}
+
+/// As a scenario writes it.
+impl fmt::Display for Visibility {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::MiddleValue => write!(f, "MiddleValue"),
+            Self::CircularSegment => write!(f, "CircularSegment"),
+            Self::Boxes(count) => write!(f, "Boxes({count})"),
+            Self::Line => write!(f, "Line"),
+        }
+    }
 }
 
 /// A disc above the local horizontal.
 #[derive(Debug, Clone, Copy)]
-pub struct Poise {
+pub struct DiscGeometry {
     pub elevation_rad: f64,
     pub angular_radius_rad: f64,
 }
@@ -62,9 +76,10 @@ const LEAST_COSINE: f64 = 1e-6;
 impl Visibility {
     /// The share of a disc above a skyline, given as elevation and slope by azimuth, both in radians, against the sine of
     /// the azimuth clockwise from the disc's centre.
-    pub fn share(self, disk: &SolarDisk, poise: Poise, skyline: impl Fn(f64) -> (f64, f64)) -> f64 {
+    pub fn share(self, disk: &SolarDisk, geometry: DiscGeometry, skyline: impl Fn(f64) -> (f64, f64)) -> f64 {
         // Heights in radii above the centre, at a column of the disc.
-        let height = |x: f64| (skyline(poise.offset_sine(x)).0 - poise.elevation_rad) / poise.angular_radius_rad;
+        let height =
+            |x: f64| (skyline(geometry.offset_sine(x)).0 - geometry.elevation_rad) / geometry.angular_radius_rad;
         match self {
             Self::MiddleValue => disk.share_above(height(0.0)),
             Self::CircularSegment => {
@@ -78,7 +93,7 @@ impl Visibility {
             }
             Self::Line => {
                 let (elevation_rad, slope) = skyline(0.0);
-                let Poise { elevation_rad: centre_rad, angular_radius_rad } = poise;
+                let DiscGeometry { elevation_rad: centre_rad, angular_radius_rad } = geometry;
                 let line = HorizonLine::new(elevation_rad, slope, centre_rad, angular_radius_rad);
                 disk.share_above(line.height / 1f64.hypot(line.slope))
             }
@@ -97,7 +112,7 @@ impl Visibility {
     }
 }
 
-impl Poise {
+impl DiscGeometry {
     /// Sine of the azimuth from the disc's centre to a column.
     pub fn offset_sine(&self, x: f64) -> f64 {
         let level = self.elevation_rad.cos().max(LEAST_COSINE);
@@ -118,14 +133,14 @@ mod tests {
         SolarDisk::new(law).unwrap()
     }
 
-    fn poise(elevation_deg: f64) -> Poise {
-        Poise { elevation_rad: elevation_deg.to_radians(), angular_radius_rad: RADIUS_RAD }
+    fn geometry(elevation_deg: f64) -> DiscGeometry {
+        DiscGeometry { elevation_rad: elevation_deg.to_radians(), angular_radius_rad: RADIUS_RAD }
     }
 
     /// A level skyline `height` radii above the centre.
     fn level(visibility: Visibility, disk: &SolarDisk, height: f64, elevation_deg: f64) -> f64 {
-        let poise = poise(elevation_deg);
-        visibility.share(disk, poise, |_| (poise.elevation_rad + height * RADIUS_RAD, 0.0))
+        let geometry = geometry(elevation_deg);
+        visibility.share(disk, geometry, |_| (geometry.elevation_rad + height * RADIUS_RAD, 0.0))
     }
 
     /// Equation 10 as printed, `i` from 0.
@@ -183,16 +198,16 @@ mod tests {
     fn a_tilted_skyline_hides_what_a_line_of_its_distance_does() {
         let uniform = disk(LimbDarkening::Uniform);
         for elevation_deg in [0.0, 3.0, 60.0] {
-            let poise = poise(elevation_deg);
+            let geometry = geometry(elevation_deg);
             for (height, slope) in [(0.3, 1.0), (-0.4, 3.0), (0.0, -0.5)] {
                 // A line of that height and slope in radii.
                 let skyline = |sine: f64| {
-                    let x = (sine * poise.elevation_rad.cos()).asin() / RADIUS_RAD;
-                    let by_azimuth = slope * poise.elevation_rad.cos();
-                    (poise.elevation_rad + (height + slope * x) * RADIUS_RAD, by_azimuth)
+                    let x = (sine * geometry.elevation_rad.cos()).asin() / RADIUS_RAD;
+                    let by_azimuth = slope * geometry.elevation_rad.cos();
+                    (geometry.elevation_rad + (height + slope * x) * RADIUS_RAD, by_azimuth)
                 };
                 let exact = uniform.visible_above(height / f64::hypot(1.0, slope));
-                let error = |visibility: Visibility| (visibility.share(&uniform, poise, skyline) - exact).abs();
+                let error = |visibility: Visibility| (visibility.share(&uniform, geometry, skyline) - exact).abs();
                 assert!(error(Visibility::CircularSegment) < 2e-5, "{}", error(Visibility::CircularSegment));
                 // The slope is divided by the cosine of the skyline's elevation, half a radius off: by 0.4 % at 60°.
                 assert!(error(Visibility::Line) < 2e-3, "{}", error(Visibility::Line));
@@ -200,21 +215,21 @@ mod tests {
             }
         }
         // A level line at that height is something else.
-        let poise = poise(0.0);
+        let geometry = geometry(0.0);
         let steep = |sine: f64| (0.3 * RADIUS_RAD + sine.asin(), 1.0);
         let exact = uniform.visible_above(0.3 / 2f64.sqrt());
-        assert!((Visibility::MiddleValue.share(&uniform, poise, steep) - exact).abs() > 0.04);
+        assert!((Visibility::MiddleValue.share(&uniform, geometry, steep) - exact).abs() > 0.04);
     }
 
     /// A peak narrower than the disc: only boxes see it.
     #[test]
     fn boxes_see_what_stands_inside_the_disc() {
         let uniform = disk(LimbDarkening::Uniform);
-        let poise = poise(0.0);
+        let geometry = geometry(0.0);
         let peak = |sine: f64| (if sine.abs() < 0.3 * RADIUS_RAD { 1.0 } else { -1.0 }, 0.0);
         // The share of the columns within 0.3 radii: 1 − 2V(0.3).
         let exact = 2.0 * uniform.visible_above(0.3);
-        let error = |visibility: Visibility| (visibility.share(&uniform, poise, peak) - exact).abs();
+        let error = |visibility: Visibility| (visibility.share(&uniform, geometry, peak) - exact).abs();
         assert!(error(Visibility::Boxes(63)) < 0.02, "{}", error(Visibility::Boxes(63)));
         assert!(error(Visibility::MiddleValue) > 0.3 && error(Visibility::CircularSegment) > 0.3);
     }

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::believed::exit_m;
+use super::reference::exit_m;
 use crate::horizon::Settings;
 use crate::horizon::sphere::skyline_beyond;
 use crate::horizon::wide::wide;
@@ -73,20 +73,20 @@ impl<'a> Lines<'a> {
     }
 
     /// Lifted point of the ground at a seen node.
-    pub fn foot(&self, [column, row]: [usize; 2]) -> DVec3 {
+    pub fn point(&self, [column, row]: [usize; 2]) -> DVec3 {
         let level = self.levels[0].level;
         level.lifted_node(column + level.margin, row + level.margin)
     }
 
     /// Elevations of the skyline in a unit map direction at `count` seen nodes from `first` on.
     pub fn elevations_rad(&self, first: [usize; 2], count: usize, towards: DVec2) -> [f64; LANES] {
-        let foot = |lane: usize| self.foot([first[0] + lane.min(count - 1), first[1]]);
+        let point = |lane: usize| self.point([first[0] + lane.min(count - 1), first[1]]);
         let observer = |lane: usize| match self.settings.observer_height_m {
-            0.0 => foot(lane),
+            0.0 => point(lane),
             height_m => {
-                let foot = foot(lane);
-                let radius_m = self.map.radius_from_lifted_m(foot) + height_m;
-                foot.truncate().extend(self.map.lifted_height_m(foot.truncate(), radius_m))
+                let point = point(lane);
+                let radius_m = self.map.radius_from_lifted_m(point) + height_m;
+                point.truncate().extend(self.map.lifted_height_m(point.truncate(), radius_m))
             }
         };
         let observers: [DVec3; LANES] = std::array::from_fn(observer);

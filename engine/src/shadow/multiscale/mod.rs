@@ -21,31 +21,44 @@
 //!
 //! # Assumptions
 //! Everything is smoothed: a skyline is met to the width of its scale, good for sources of degrees, not for the Sun's
-//! disc. Behind a ridge the RMS error is 5.9°, 3.6°, 1.5°, 0.45° for `k = o` = 1, 2, 4, 8
-//! (`tests/reference/render/methods.rs`).
+//! disc.
 //!
 //! # Twin
 //! `multiscale.wgsl` finds fields of nodes on a [`device`] in `f32`: each of the three elevations within 2e-6 rad of the one
-//! found here, 0.9e-6 at most as measured. Where the last sample lies within rounding of a level's edge it may fall on the other
-//! side: one node in 10⁵ or fewer. Shares of the Sun's disc in images of a scenario differ by 7e-5 at most. In one run on
-//! cratered ground (384² at 20 m, one core) software Vulkan took 1/5.4 of the host's time, so that every adapter does it. That
-//! was still 4 times `SingleAzimuth`'s, with an RMS error of 0.009 of full Sun against 0.0008. The host does it where the
-//! images of a face, 13.7 bytes a node for `k = 4`, are more than a buffer may hold. The sky's shares are found on the host,
-//! once a scene.
+//! found here, but for samples within rounding of a level's edge. Every adapter does it; the host does it where the images of a
+//! face are more than a buffer may hold. The sky's shares are found on the host, once a scene. Measured:
+//! `docs/experiments/shadow_methods.md`.
 //!
 //! # References
 //! Snyder & Nowrouzezahrai (2008), Fast soft self-shadowing on dynamic height fields, Computer Graphics Forum 27(4).
 
 pub mod device;
+mod options;
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use device::OnDevice;
+pub use options::MultiscaleOptions;
 
-use super::skylines::{Field, HeldLight, OutsideSwath, Towards};
+use super::device::FieldMaker;
+use super::light::QuantizedLight;
+use super::method::{Bench, Family, Named, ShadowMethod};
+use super::skylines::{Field, SkylineSource, UnpreparedLight};
 use crate::gpu::{Gpu, GpuError};
 use crate::terrain::{Gnomonic, Level, Surface, Terrain};
+
+pub const FAMILY: Family = Family {
+    named: &[Named {
+        name: "multiscale",
+        bench: Bench::Slow,
+        hard_cases: true,
+        auto: false,
+        options: || Box::new(MultiscaleOptions::default()),
+    }],
+    patterns: &[],
+    parse: |_| None,
+};
 
 /// A point no further than this share of a posting beyond a level's edge is on it: rounding decides nothing.
 const EDGE: f64 = 1e-3;
@@ -251,23 +264,35 @@ fn highest_of_spline(values: &[f64]) -> Option<f64> {
     (0..=last).flat_map(|i| [knot(i), half(i)]).reduce(f64::max)
 }
 
-impl Towards for Multiscale {
+impl ShadowMethod for Multiscale {
     fn name(&self) -> &'static str {
         "multiscale"
     }
 
-    fn field(&self, surface: &Surface, face: usize, level: usize, light: &HeldLight) -> Result<Field, OutsideSwath> {
+    fn skylines(&self) -> Option<&dyn SkylineSource> {
+        Some(self)
+    }
+}
+
+impl SkylineSource for Multiscale {
+    fn field(
+        &self,
+        surface: &Surface,
+        face: usize,
+        level: usize,
+        light: &QuantizedLight,
+    ) -> Result<Field, UnpreparedLight> {
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
         let [columns, rows] = nodes.seen_size();
         let half_rad = 0.5 * self.swath_rad;
         let skyline = |index: usize| {
-            let foot = nodes.lifted_node(index % columns + nodes.margin, index / columns + nodes.margin);
-            let (towards, _) = light.from(map, foot);
+            let point = nodes.lifted_node(index % columns + nodes.margin, index / columns + nodes.margin);
+            let (towards, _) = light.from(map, point);
             // Clockwise, as azimuths go.
             let turned = |angle_rad: f64| DVec2::from_angle(-angle_rad).rotate(towards);
             let directions = [-half_rad, 0.0, half_rad].map(turned);
             let [left, middle, right]: [f64; 3] = self
-                .elevations_rad(map, [face, level], foot.truncate(), directions)
+                .elevations_rad(map, [face, level], point.truncate(), directions)
                 .try_into()
                 .expect("three directions");
             [middle as f32, ((right - left) / self.swath_rad) as f32]
@@ -275,8 +300,9 @@ impl Towards for Multiscale {
         Ok((0..columns * rows).into_par_iter().map(skyline).collect())
     }
 
-    fn on_device(&self, gpu: &Gpu, surface: &Surface) -> Result<Option<OnDevice>, GpuError> {
-        OnDevice::new(gpu, self, &surface.terrain)
+    fn on_device(&self, gpu: &Gpu, surface: &Surface) -> Result<Option<Box<dyn FieldMaker>>, GpuError> {
+        let device = OnDevice::new(gpu, self, &surface.terrain)?;
+        Ok(device.map(|device| Box::new(device) as Box<dyn FieldMaker>))
     }
 }
 

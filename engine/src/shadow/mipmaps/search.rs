@@ -25,8 +25,7 @@
 //!
 //! # Assumptions
 //! A block's maximum may lie beside the ray, and the search never turns back: it finds too low a skyline, never too high
-//! a one. Cratered terrain at 20 m, Sun 3° high: 2 % of the pixels lit that are dark, none the other way round, RMS 0.012
-//! of full Sun. To minimise height over distance instead was no better (0.014). Blocks are counted from the level's corner, so
+//! a one (figures: `docs/experiments/shadow_methods.md`). Blocks are counted from the level's corner, so
 //! that terrain turned about its middle is searched through other blocks, and another image comes out
 //! (`tests/reference/render/methods.rs`): the two hard cases that runs fail, a wall seen past the corner of its block and a pole
 //! after a quarter turn, are of the method, which is to search each block once. Filled gaps occlude as the surface that
@@ -41,9 +40,9 @@ use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
 
-use super::skylines::line;
-use super::{Disc, Shadow, Site};
 use crate::photometry::{DiskLight, HorizonLine};
+use crate::shadow::site::{Disc, Shadow, Site};
+use crate::shadow::skylines::line;
 use crate::terrain::{Level, Pyramid, Surface, Terrain};
 
 /// How runs go.

@@ -1,4 +1,4 @@
-// Texels of horizon maps, or of fields of skylines. They may be larger than one binding: pages of 2^PAGE_BITS texels.
+// Texels of horizon maps. They may be larger than one binding: pages of 2^PAGE_BITS texels.
 
 @group(0) @binding(0) var<storage, read> horizon_page_0: array<vec4u>;
 @group(0) @binding(1) var<storage, read> horizon_page_1: array<vec4u>;

@@ -6,12 +6,19 @@ use crate::horizon::Settings;
 use crate::horizon::sphere::skyline_beyond;
 use crate::terrain::{Face, Level};
 
-/// Elevation of the skyline above a node's foot on level `level` in a unit map direction.
-pub fn elevation_rad(face: &Face, level: usize, foot: DVec3, towards: DVec2, spacing: f64, settings: &Settings) -> f64 {
+/// Elevation of the skyline from a node on level `level` in a unit map direction.
+pub fn elevation_rad(
+    face: &Face,
+    level: usize,
+    point: DVec3,
+    towards: DVec2,
+    spacing: f64,
+    settings: &Settings,
+) -> f64 {
     let map = &face.map;
-    let at_m = foot.truncate();
-    let raised_m = map.lifted_height_m(at_m, map.radius_from_lifted_m(foot) + settings.observer_height_m);
-    let observer = at_m.extend(if settings.observer_height_m == 0.0 { foot.z } else { raised_m });
+    let at_m = point.truncate();
+    let raised_m = map.lifted_height_m(at_m, map.radius_from_lifted_m(point) + settings.observer_height_m);
+    let observer = at_m.extend(if settings.observer_height_m == 0.0 { point.z } else { raised_m });
     let reach_m = settings.search_m.unwrap_or(f64::INFINITY);
     let mut steepest = f64::NEG_INFINITY;
     // Where the finer level ends.

@@ -1,0 +1,12 @@
+// Horizon maps evaluated at every sample.
+
+fn light_over_terrain(facet: Facet, index: u32, light: LightParameters, s: vec3f, plane: vec3f) -> DiskLight {
+    let towards = direction_to_light(facet, s);
+    if all(towards == vec2f(0.0)) {
+        return disk_light(-1.0e3, 0.0, plane);
+    }
+    let level = map_levels[facet.level];
+    let grid = HorizonGrid(level.columns, level.rows, level.horizon_table, level.horizon.x, level.horizon.y, level.horizon.z, level.horizon.w);
+    let skyline = horizon_elevation(grid, facet.grid, towards);
+    return light_above_skyline(facet, skyline, towards, s, light.radius_rad, plane);
+}

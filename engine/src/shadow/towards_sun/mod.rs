@@ -1,0 +1,66 @@
+//! Shadows from horizons of all nodes towards the light, found while it stands still.
+//!
+//! ```text
+//! swath             from kept planes of the few azimuths that lights span in all exposures
+//! sweep             from planes swept for a light
+//! single_azimuth    stepped for a light
+//! ```
+
+pub mod options;
+pub mod single_azimuth;
+pub mod swath;
+mod sweep;
+
+pub use options::{Search, TowardsSunOptions};
+pub use single_azimuth::{Edge, SingleAzimuth};
+pub use swath::Swath;
+pub use sweep::Swept;
+
+use super::fan::STEP_DEG;
+use super::method::{Bench, Family, MethodOptions, Named};
+
+pub const FAMILY: Family = Family {
+    named: &[
+        Named {
+            name: "swath",
+            bench: Bench::Usual,
+            hard_cases: true,
+            auto: true,
+            options: || by(Search::Swath { azimuth_step_deg: STEP_DEG }),
+        },
+        Named {
+            name: "sweep",
+            bench: Bench::Slow,
+            hard_cases: true,
+            auto: true,
+            options: || by(Search::Sweep { azimuth_step_deg: STEP_DEG }),
+        },
+        Named {
+            name: "single-azimuth",
+            bench: Bench::Slow,
+            hard_cases: true,
+            auto: false,
+            options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Sloped }),
+        },
+        Named {
+            name: "single-azimuth-level",
+            bench: Bench::Slow,
+            hard_cases: true,
+            auto: false,
+            options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Level }),
+        },
+        Named {
+            name: "single-azimuth-hard",
+            bench: Bench::Slow,
+            hard_cases: true,
+            auto: false,
+            options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Hard }),
+        },
+    ],
+    patterns: &[],
+    parse: |_| None,
+};
+
+fn by(by: Search) -> Box<dyn MethodOptions> {
+    Box::new(TowardsSunOptions { by })
+}
