@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use perilune_engine::ephemeris::{Epoch, known_file};
 use perilune_engine::pipeline::{self, Options, Prepared, Progress, shot};
 use perilune_engine::render::{Image, Imaging, View};
-use perilune_engine::scenario::{self, Places};
+use perilune_engine::scenario::{self, SearchPath};
 
 use crate::{Adapter, Error, RunReport, Scene, Session};
 
@@ -37,7 +37,7 @@ impl Scenario {
     /// [`ErrorKind::Scenario`](crate::ErrorKind::Scenario), with every [problem](Error::problems) of the text.
     pub fn parse(text: &str, folder: impl AsRef<Path>) -> Result<Self, Error> {
         let path = folder.as_ref().join("scenario.ron");
-        Ok(Self(scenario::resolve(&path, text, &Places::of(&path, &[]), &hint)?))
+        Ok(Self(scenario::resolve(&path, text, &SearchPath::of(&path, &[]), &hint)?))
     }
 
     /// Its name: that of its file without the extension.

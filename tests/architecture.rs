@@ -9,7 +9,7 @@ mod circles;
 
 /// Modules of one layer do not see each other.
 const LAYERS: [&[&str]; 14] = [
-    &["quantity", "digest"],
+    &["quantity", "digest", "files", "statistics"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
     &["terrain", "camera"],
@@ -120,7 +120,7 @@ fn matches(path: &str, place: &str) -> bool {
     }
 }
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
+pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -149,8 +149,27 @@ fn modules_use_only_what_lies_below_them() {
 }
 
 /// Modules whose files are in no circle.
-const WITHOUT_CIRCLES: [&str; 9] =
-    ["camera", "dataset", "ephemeris", "geometry", "horizon", "labels", "pipeline", "raster", "report"];
+const WITHOUT_CIRCLES: [&str; 19] = [
+    "camera",
+    "compare",
+    "dataset",
+    "digest",
+    "ephemeris",
+    "files",
+    "geometry",
+    "gpu",
+    "horizon",
+    "illumination",
+    "image_metrics",
+    "labels",
+    "photometry",
+    "pipeline",
+    "raster",
+    "report",
+    "scenario",
+    "statistics",
+    "terrain",
+];
 
 #[test]
 fn files_of_a_module_are_in_no_circle() {

@@ -32,6 +32,22 @@ pub struct Options {
 /// Pixels along the longer side.
 const SIZES: [u32; 2] = [512, 1024];
 
+/// Columns of the table and their units.
+const COLUMNS: [(&str, &str); 12] = [
+    ("pixels", ""),
+    ("planes", ""),
+    ("rendered", "images/s"),
+    ("dataset", "images/s"),
+    ("of the rendered rate", "%"),
+    ("rendered, all cores", "s"),
+    ("dataset, all cores", "s"),
+    ("rendering's share", "%"),
+    ("samples", "s"),
+    ("planes", "s"),
+    ("encoding", "s"),
+    ("writing", "s"),
+];
+
 /// Wall and processor seconds an image.
 #[derive(Debug, Clone, Copy)]
 struct Cost {
@@ -47,24 +63,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     if chosen.len() < 2 || chosen.end > count {
         return Err(Error::Range { key: "exposures", got: chosen.end, allowed: [2, count] });
     }
-    let mut table = Table::new(
-        "dataset",
-        "An image, rendered alone and as part of a dataset",
-        &[
-            ("pixels", ""),
-            ("planes", ""),
-            ("rendered", "images/s"),
-            ("dataset", "images/s"),
-            ("of the rendered rate", "%"),
-            ("rendered, all cores", "s"),
-            ("dataset, all cores", "s"),
-            ("rendering's share", "%"),
-            ("samples", "s"),
-            ("planes", "s"),
-            ("encoding", "s"),
-            ("writing", "s"),
-        ],
-    );
+    let mut table = Table::new("dataset", "An image, rendered alone and as part of a dataset", &COLUMNS);
     progress.begin("making datasets", 2 * SIZES.len(), "series");
     for size in SIZES {
         let mut sized = reduced(scenario, size);

@@ -9,8 +9,8 @@ use perilune_engine::dataset::write_exr;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Exposure, Progress};
 use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, View, ViewRays, planes};
-use perilune_engine::report::statistics::median;
 use perilune_engine::scenario::Scenario;
+use perilune_engine::statistics::median;
 
 /// What to time.
 #[derive(Debug, Clone)]
@@ -25,6 +25,30 @@ pub struct Options {
 /// Pixels along the longer side.
 const SIZES: [u32; 2] = [512, 1024];
 
+/// Columns of images and their units.
+const IMAGE_COLUMNS: [(&str, &str); 11] = [
+    ("pixels", ""),
+    ("rays per pixel", ""),
+    ("planes", ""),
+    ("all", "s"),
+    ("device", "s"),
+    ("readback", "s"),
+    ("planes", "s"),
+    ("writing", "s"),
+    ("file", "MiB"),
+    ("rendered", "images/s"),
+    ("written too", "images/s"),
+];
+/// Columns of rays and their units.
+const RAY_COLUMNS: [(&str, &str); 6] = [
+    ("pixels", ""),
+    ("rays", ""),
+    ("all", "s"),
+    ("to exact", ""),
+    ("another radiance", "pixels"),
+    ("another radiance", "%"),
+];
+
 /// Times a scenario's stages and images.
 pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
     let machine = Machine::here();
@@ -34,33 +58,11 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         return Err(Error::Range { key: "exposures", got: chosen.end, allowed: [1, count] });
     }
     let mut stages = Table::new("stages", "Before the first image", &[("stage", ""), ("time", "s")]);
-    let mut images = Table::new(
-        "images",
-        "An image, medians",
-        &[
-            ("pixels", ""),
-            ("rays per pixel", ""),
-            ("planes", ""),
-            ("all", "s"),
-            ("device", "s"),
-            ("readback", "s"),
-            ("planes", "s"),
-            ("writing", "s"),
-            ("file", "MiB"),
-            ("rendered", "images/s"),
-            ("written too", "images/s"),
-        ],
-    );
+    let mut images = Table::new("images", "An image, medians", &IMAGE_COLUMNS);
     let gpu = Gpu::open(Adapter::Auto).map_err(|error| progress.say(&error.to_string())).ok();
 
-    let clock = Instant::now();
-    let mut prepared = pipeline::prepare(scenario, &options.cache, progress)?;
-    stages.rows.push(vec!["kernels, terrain, poses".into(), lap(clock).into()]);
-    for stage in ["horizons, built or read", "horizons, read again"] {
-        let clock = Instant::now();
-        pipeline::scene(scenario, &mut prepared, &options.cache, progress)?;
-        stages.rows.push(vec![stage.into(), lap(clock).into()]);
-    }
+    let (mut prepared, rows) = stages_of(scenario, options, progress)?;
+    stages.rows = rows;
 
     let scene = pipeline::scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
     progress.begin("rendering", 2 * SIZES.len(), "series");
@@ -75,18 +77,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
             progress.at(images.rows.len(), 2 * SIZES.len());
         }
     }
-    let mut rays = Table::new(
-        "rays",
-        "Rays from the camera, medians of radiance alone",
-        &[
-            ("pixels", ""),
-            ("rays", ""),
-            ("all", "s"),
-            ("to exact", ""),
-            ("another radiance", "pixels"),
-            ("another radiance", "%"),
-        ],
-    );
+    let mut rays = Table::new("rays", "Rays from the camera, medians of radiance alone", &RAY_COLUMNS);
     if let Some(gpu) = &gpu {
         for size in SIZES {
             let mut sized = reduced(scenario, size);
@@ -101,21 +92,42 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         name: "frame",
         title: format!("Images of {}, exposures {}..{}", scenario.name, chosen.start, chosen.end),
         machine,
-        notes: vec![
-            format!("Rendered by {adapter}; {} times each.", options.repeat),
-            "Device: timestamps around the passes. Readback: the rest of the renderer's call, submission included."
-                .into(),
-            "Planes: ground truth in f64 on the CPU. Writing: one OpenEXR file, one image after the other; \
-             `sim run` writes on another thread while the next image is rendered."
-                .into(),
-            "Rays: exact ones from the camera, those of Jung 2020 from a coarse mesh with squares of so many cells. Another \
-             radiance: by more than a thousandth, over all exposures."
-                .into(),
-        ],
+        notes: notes(&adapter, options.repeat),
         tables: vec![stages, images, rays],
         plots: Vec::new(),
         pictures: Vec::new(),
     })
+}
+
+/// The scenario prepared, and how long its stages take.
+fn stages_of(
+    scenario: &Scenario,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(pipeline::Prepared, Vec<Vec<Value>>), Error> {
+    let clock = Instant::now();
+    let mut prepared = pipeline::prepare(scenario, &options.cache, progress)?;
+    let mut rows = vec![vec!["kernels, terrain, poses".into(), lap(clock).into()]];
+    for stage in ["horizons, built or read", "horizons, read again"] {
+        let clock = Instant::now();
+        pipeline::scene(scenario, &mut prepared, &options.cache, progress)?;
+        rows.push(vec![stage.into(), lap(clock).into()]);
+    }
+    Ok((prepared, rows))
+}
+
+fn notes(adapter: &str, repeat: usize) -> Vec<String> {
+    vec![
+        format!("Rendered by {adapter}; {repeat} times each."),
+        "Device: timestamps around the passes. Readback: the rest of the renderer's call, submission included."
+            .into(),
+        "Planes: ground truth in f64 on the CPU. Writing: one OpenEXR file, one image after the other; \
+         `sim run` writes on another thread while the next image is rendered."
+            .into(),
+        "Rays: exact ones from the camera, those of Jung 2020 from a coarse mesh with squares of so many cells. Another \
+         radiance: by more than a thousandth, over all exposures."
+            .into(),
+    ]
 }
 
 /// The views of some exposures by a scenario's own camera.

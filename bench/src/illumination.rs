@@ -19,7 +19,7 @@ use perilune_engine::ephemeris::{Almanac, parse_epoch};
 use perilune_engine::geometry::Geodetic;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, Request, Settings};
-use perilune_engine::illumination::area::Spread;
+use perilune_engine::illumination::area::MinMeanMax;
 use perilune_engine::illumination::maps::needed_blocks;
 use perilune_engine::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
@@ -201,25 +201,27 @@ impl Trial<'_> {
     }
 }
 
+/// Columns of skylines and their units.
+const SKYLINE_COLUMNS: [(&str, &str); 9] = [
+    ("skylines", ""),
+    ("size", "B/node"),
+    ("made in", "s"),
+    ("steps", "M/s"),
+    ("disc, mean error", "%"),
+    ("disc RMS", "%"),
+    ("disc largest", "%"),
+    ("lit RMS", "%"),
+    ("lit largest", "%"),
+];
+
 /// A row for each kind of skyline.
 fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Result<Option<Table>, Error> {
-    let columns = [
-        ("skylines", ""),
-        ("size", "B/node"),
-        ("made in", "s"),
-        ("steps", "M/s"),
-        ("disc, mean error", "%"),
-        ("disc RMS", "%"),
-        ("disc largest", "%"),
-        ("lit RMS", "%"),
-        ("lit largest", "%"),
-    ];
     let model = Model::Ridge { posting_m: 10.0 };
     let Some(scene) = model.scene(&options.folders, centre(-89.45, 222.69), CHECKED_M)? else { return Ok(None) };
     let (track, disk) = (track(almanac, &scene, &YEAR_2020)?, disk()?);
     let (body, face) = (&scene.body, &scene.face);
     let held = needed_blocks(&face.levels[0], &[]);
-    let heard = |done: usize, total: usize| progress.at(done, total);
+    let on_progress = |done: usize, total: usize| progress.at(done, total);
     let trial = Trial { face, track: &track, disk: &disk };
     let pyramids: Vec<Pyramid> = face.levels.iter().map(Pyramid::new).collect();
     let settings = Settings::default();
@@ -235,7 +237,7 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
     let nodes = scene.receivers();
     let title =
         format!("Skylines of {}, {nodes} nodes about -89.45, 222.69, in 2020 by hours, at the ground", scene.name);
-    let mut table = Table::new("skylines", &title, &columns);
+    let mut table = Table::new("skylines", &title, &SKYLINE_COLUMNS);
     let mut traced = None;
     let mut row = |name: String, bytes: f64, made_s: f64, skylines: &Skylines| {
         let traced = traced.get_or_insert_with(|| {
@@ -243,19 +245,19 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
         });
         progress.begin(&name, 1, "strips");
         let start = Instant::now();
-        let (maps, _) = trial.study(skylines).run(&heard);
+        let (maps, _) = trial.study(skylines).run(&on_progress);
         let rate = (nodes * track.steps()) as f64 / start.elapsed().as_secs_f64();
         let check = traced.check(&maps);
         let (disc, lit) = (check.disc_share, check.lit_share);
         let mut row: Vec<Value> = vec![name.as_str().into()];
         row.extend([bytes, made_s, rate * 1e-6].map(Value::from));
-        row.extend([disc.mean, disc.rms, disc.largest, lit.rms, lit.largest].map(|e| Value::from(100.0 * e)));
+        row.extend([disc.mean, disc.rms, disc.max, lit.rms, lit.max].map(|e| Value::from(100.0 * e)));
         table.rows.push(row);
     };
     for &azimuths in azimuths {
         progress.begin(&format!("{azimuths} azimuths"), azimuths, "azimuths");
         let start = Instant::now();
-        let swept = Swept::new(face, 0, &Settings { azimuths, ..settings }, held.clone(), &heard)?;
+        let swept = Swept::new(face, 0, &Settings { azimuths, ..settings }, held.clone(), &on_progress)?;
         let made_s = start.elapsed().as_secs_f64();
         row(format!("swept, {azimuths}"), 2.0 * azimuths as f64, made_s, &Skylines::Swept(swept));
     }
@@ -264,7 +266,7 @@ fn skylines(options: &Options, almanac: &Almanac, progress: &dyn Progress) -> Re
         let request = Request { body, face, level: 0, settings, encoding };
         progress.begin(&format!("{encoding}"), settings.azimuths, "azimuths");
         let start = Instant::now();
-        let tile = horizon::build(&request, &folder.path, &heard)?;
+        let tile = horizon::build(&request, &folder.path, &on_progress)?;
         let made_s = start.elapsed().as_secs_f64();
         row(encoding.name().into(), encoding.bytes_per_pixel(), made_s, &Skylines::Decoded(&tile));
     }
@@ -318,14 +320,14 @@ impl Claim {
         let areas = [area.nodes(&scene.body, &face.map, level).unwrap_or_default()];
         let (track, disk) = (track(almanac, scene, self.span)?, disk()?);
         let settings = Settings { azimuths: AZIMUTHS, observer_height_m: self.height_m, ..Settings::default() };
-        let heard = |done: usize, total: usize| progress.at(done, total);
+        let on_progress = |done: usize, total: usize| progress.at(done, total);
         progress.begin(&format!("{}, {}", self.place, scene.name), AZIMUTHS, "azimuths");
-        let swept = Swept::new(face, 0, &settings, needed_blocks(level, &areas), &heard)?;
+        let swept = Swept::new(face, 0, &settings, needed_blocks(level, &areas), &on_progress)?;
         let skylines = Skylines::Swept(swept);
         progress.begin(&format!("{}, {}", self.place, self.span.text), 1, "strips");
         let study =
             Study { face, level: 0, skylines: &skylines, track: &track, disk: &disk, lit: Lit::AnyLimb, areas: &areas };
-        let (maps, _) = study.run(&heard);
+        let (maps, _) = study.run(&on_progress);
         let percent = |plane: &[f32], node: usize| 100.0 * f64::from(plane[node]);
         let best = best(&maps.disc_share, &face.map, level, 1, 1.0)[0];
         let [column, row] = [best % maps.columns, best / maps.columns].map(|index| index + level.margin);
@@ -339,7 +341,7 @@ impl Claim {
             self.height_m.into(),
             self.span.text.into(),
             percent(&maps.disc_share, nearest(&maps, level)).into(),
-            (100.0 * Spread::of(&maps.disc_share, &areas[0]).mean).into(),
+            (100.0 * MinMeanMax::of(&maps.disc_share, &areas[0]).mean).into(),
             percent(&maps.disc_share, best).into(),
             percent(&maps.lit_share, best).into(),
             (percent(&maps.disc_share, best) - self.percent).into(),

@@ -10,12 +10,12 @@ pub mod error;
 pub mod frame;
 pub mod horizons;
 pub mod illumination;
-mod kept;
 pub mod radiometry;
 pub mod scenes;
 pub mod shadows;
 pub mod sources;
 pub mod stability;
+mod step_cache;
 
 pub use error::Error;
 use perilune_engine::report::{Machine, Report, Table, Value};

@@ -169,7 +169,7 @@ impl Scene {
     /// Nodes of the measured level that get horizons.
     pub fn receivers(&self) -> usize {
         let level = &self.face.levels[0];
-        (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin)
+        level.seen_nodes()
     }
 }
 

@@ -14,6 +14,7 @@
 
 pub mod matrix;
 pub mod methods;
+mod scene_table;
 mod truth;
 
 use std::path::PathBuf;
@@ -21,7 +22,6 @@ use std::time::Instant;
 
 use super::{Error, Machine, Report, Table, Value};
 use methods::{MethodFactory, outside_domain};
-use perilune_engine::ephemeris::{horizontal, utc_text};
 use perilune_engine::geometry::Position;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Prepared, Progress};
@@ -29,9 +29,9 @@ use perilune_engine::render::planes::Radiometry;
 use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::Errors;
 use perilune_engine::scenario::{self, Scenario};
 use perilune_engine::shadow::registry;
+use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::{Ground, Hit};
 
 /// What to compare.
@@ -266,6 +266,24 @@ fn trial(method: String, session: &mut Session, view: &View) -> Result<Trial, Er
     Ok(Trial { method, samples, seconds: start.elapsed().as_secs_f64(), first_seconds: None, device_seconds })
 }
 
+/// Columns of methods and their units.
+const METHOD_COLUMNS: [(&str, &str); 15] = [
+    ("method", ""),
+    ("agreement", "%"),
+    ("lit in the dark", "%"),
+    ("dark in the light", "%"),
+    ("mean", ""),
+    ("RMS", ""),
+    ("p99", ""),
+    ("max", ""),
+    ("penumbra mean", ""),
+    ("penumbra RMS", ""),
+    ("penumbra p99", ""),
+    ("penumbra max", ""),
+    ("time", "s"),
+    ("device", "s"),
+    ("first image", "s"),
+];
 #[allow(clippy::too_many_arguments)]
 fn report(
     machine: Machine,
@@ -277,29 +295,9 @@ fn report(
     trials: &[Trial],
     ground: &[bool],
 ) -> Result<Report, Error> {
-    let exposure = &prepared.exposures[options.exposure];
     let full_w_m2 = view.lights[0].irradiance_w_m2;
-    let mut methods = Table::new(
-        "methods",
-        "Shadows against traced ones; errors in shares of full Sun",
-        &[
-            ("method", ""),
-            ("agreement", "%"),
-            ("lit in the dark", "%"),
-            ("dark in the light", "%"),
-            ("mean", ""),
-            ("RMS", ""),
-            ("p99", ""),
-            ("max", ""),
-            ("penumbra mean", ""),
-            ("penumbra RMS", ""),
-            ("penumbra p99", ""),
-            ("penumbra max", ""),
-            ("time", "s"),
-            ("device", "s"),
-            ("first image", "s"),
-        ],
-    );
+    let mut methods =
+        Table::new("methods", "Shadows against traced ones; errors in shares of full Sun", &METHOD_COLUMNS);
     let mut pictures = Vec::new();
     let mut points = Vec::new();
     for trial in trials {
@@ -319,37 +317,7 @@ fn report(
     row.extend([truth.seconds.into(), Value::Missing, Value::Missing]);
     methods.rows.push(row);
 
-    let sky = horizontal(&prepared.frame.body, prepared.ground.centre, exposure.sun.direction);
-    let partial = |pixel: &Radiometry| (PENUMBRA..1.0 - PENUMBRA).contains(&f64::from(pixel.sun_fraction));
-    let on_ground = || truth.samples.pixels.iter().zip(ground).filter(|(_, ground)| **ground).map(|(pixel, _)| pixel);
-    let share = |count: usize| 100.0 * count as f64 / on_ground().count() as f64;
-    let mut scene = Table::new(
-        "scene",
-        "The exposure",
-        &[
-            ("scenario", ""),
-            ("epoch", ""),
-            ("columns", ""),
-            ("rows", ""),
-            ("on terrain", "%"),
-            ("lit", "%"),
-            ("penumbra", "%"),
-            ("Sun elevation", "deg"),
-            ("Sun azimuth", "deg"),
-        ],
-    );
-    let pixels = f64::from(scenario.camera.columns * scenario.camera.rows);
-    scene.rows.push(vec![
-        scenario.name.as_str().into(),
-        utc_text(exposure.epoch).as_str().into(),
-        f64::from(scenario.camera.columns).into(),
-        f64::from(scenario.camera.rows).into(),
-        (100.0 * on_ground().count() as f64 / pixels).into(),
-        share(on_ground().filter(|pixel| lit(pixel)).count()).into(),
-        share(on_ground().filter(|pixel| partial(pixel)).count()).into(),
-        sky.elevation_rad.to_degrees().into(),
-        sky.azimuth_rad.to_degrees().into(),
-    ]);
+    let scene = scene_table::scene_table(scenario, prepared, options.exposure, truth, ground);
     Ok(Report {
         name: "shadows",
         title: format!("Shadows of {}, exposure {}", scenario.name, options.exposure),

@@ -22,7 +22,7 @@ use std::time::Instant;
 use super::{Error, Machine, Report};
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::Progress;
-use perilune_engine::report::statistics::median;
+use perilune_engine::statistics::median;
 
 /// How much to measure.
 #[derive(Debug, Clone, Copy)]
@@ -61,13 +61,6 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         plots,
         pictures: Vec::new(),
     })
-}
-
-/// The value that a share of all does not exceed.
-fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values[((values.len() - 1) as f64 * share).round() as usize]
 }
 
 /// Median seconds of some runs, and what the last one made.

@@ -39,7 +39,7 @@
 //! # Who may depend on whom
 //!
 //! ```text
-//! { quantity, digest } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
+//! { quantity, digest, files, statistics } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
 //!          -> horizon -> shadow -> render -> labels -> dataset -> { report, image_metrics }
 //!          -> { illumination, scenario } -> pipeline -> compare
 //! ```
@@ -57,7 +57,9 @@
 #![warn(missing_debug_implementations)]
 
 pub mod digest;
+pub mod files;
 pub mod quantity;
+pub mod statistics;
 
 pub mod geometry;
 

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::bars::Bars;
 use super::common::Files;
-use super::{Outcome, Problems, chain, say};
+use super::{Outcome, Problems, chain, print_line};
 
 /// More problems of one scenario than these are one problem, seen at many exposures.
 const LISTED: usize = 20;
@@ -34,7 +34,7 @@ pub fn run(args: Args) -> Outcome {
         Ok(scenario) => scenario,
         Err(error) => {
             if args.json {
-                say(format_args!("{:#}", written_wrongly(&error)))?;
+                print_line(format_args!("{:#}", written_wrongly(&error)))?;
             }
             return Err(error.into());
         }
@@ -56,18 +56,18 @@ pub fn run(args: Args) -> Outcome {
             "over_terrain": checked.over_terrain, "problems": messages, "warnings": checked.warnings,
             "notes": scenario.notes,
         });
-        say(format_args!("{report:#}"))?;
+        print_line(format_args!("{report:#}"))?;
     }
     if !args.json {
-        scenario.notes.iter().try_for_each(|note| say(format_args!("{path}: note: {note}")))?;
-        checked.warnings.iter().try_for_each(|warning| say(format_args!("{path}: warning: {warning}")))?;
+        scenario.notes.iter().try_for_each(|note| print_line(format_args!("{path}: note: {note}")))?;
+        checked.warnings.iter().try_for_each(|warning| print_line(format_args!("{path}: warning: {warning}")))?;
     }
     if !problems.is_empty() {
         return Err(Problems(problems.into_iter().map(|problem| format!("{path}: {problem}")).collect()).into());
     }
     if !args.json {
         let unseen = if checked.over_terrain { "" } else { " (terrain not made yet: heights above it unchecked)" };
-        say(format_args!("{path}: {} exposures, no problems{unseen}", scenario.images()))?;
+        print_line(format_args!("{path}: {} exposures, no problems{unseen}", scenario.images()))?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use perilune_engine::compare::{Freedom, GeometrySource, Law, Model, Request, com
 use super::bars::Bars;
 use super::common::Files;
 use super::run::Adapter;
-use super::{Outcome, say};
+use super::{Outcome, print_line};
 
 /// Hold a mission photograph against a render of the same view.
 ///
@@ -173,11 +173,11 @@ pub fn run(args: Args) -> Outcome {
     bars.clear();
     let files = comparison.write(&output)?;
     if args.json {
-        return Ok(say(serde_json::to_string_pretty(&comparison.json())?)?);
+        return Ok(print_line(serde_json::to_string_pretty(&comparison.json())?)?);
     }
-    say(comparison.text())?;
+    print_line(comparison.text())?;
     for file in files {
-        say(file.display())?;
+        print_line(file.display())?;
     }
     Ok(())
 }

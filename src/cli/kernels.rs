@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use perilune_engine::ephemeris::{Kernel, Kind, default_span, make_default_kernels, parse_epoch, utc_text};
 use serde_json::json;
 
-use super::{Outcome, say};
+use super::{Outcome, print_line};
 
 /// Make the default kernels and list what a kernel covers.
 ///
@@ -46,7 +46,7 @@ pub fn run(args: Args) -> Outcome {
         Command::Make { from, until, output } => {
             for path in make_default_kernels(&output, parse_epoch(&from)?, parse_epoch(&until)?)? {
                 let kernel = Kernel::open(&path)?;
-                say(format_args!(
+                print_line(format_args!(
                     "{}  {} bytes  sha256 {}",
                     path.display(),
                     std::fs::metadata(&path)?.len(),
@@ -58,9 +58,9 @@ pub fn run(args: Args) -> Outcome {
             for path in files {
                 let kernel = Kernel::open(&path)?;
                 if json {
-                    say(as_json(&kernel))?;
+                    print_line(as_json(&kernel))?;
                 } else {
-                    say(kernel.describe().join("\n"))?;
+                    print_line(kernel.describe().join("\n"))?;
                 }
             }
         }

@@ -40,7 +40,7 @@ impl std::fmt::Display for Problems {
 impl Error for Problems {}
 
 /// Prints a line. `println!` would panic when the reader goes away, as in `sim sun … | head`; `main` ends quietly.
-pub fn say(line: impl std::fmt::Display) -> std::io::Result<()> {
+pub fn print_line(line: impl std::fmt::Display) -> std::io::Result<()> {
     writeln!(std::io::stdout(), "{line}")
 }
 

@@ -7,7 +7,7 @@ use perilune_engine::pipeline::{self, AdapterChoice, Options, Report, Stages};
 
 use super::bars::Bars;
 use super::common::Files;
-use super::{Outcome, say, with_flag};
+use super::{Outcome, print_line, with_flag};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
 ///
@@ -85,7 +85,7 @@ pub fn run(args: Args) -> Outcome {
     let report = pipeline::run(&scenario, &options, &bars).map_err(with_flag)?;
     bars.clear();
     if args.json {
-        say(serde_json::to_string_pretty(&report)?)?;
+        print_line(serde_json::to_string_pretty(&report)?)?;
     } else {
         print(&report)?;
     }
@@ -94,9 +94,9 @@ pub fn run(args: Args) -> Outcome {
 
 fn print(report: &Report) -> Outcome {
     let Report { output, adapter, exposures, rendered, seconds, .. } = report;
-    say(format_args!("{exposures} exposures in {}, {rendered} of them rendered now", output.display()))?;
-    say(format_args!("rendered by {adapter}"))?;
-    say(format_args!(
+    print_line(format_args!("{exposures} exposures in {}, {rendered} of them rendered now", output.display()))?;
+    print_line(format_args!("rendered by {adapter}"))?;
+    print_line(format_args!(
         "terrain {:.1} s, horizons {:.1} s, rendering {:.1} s ({:.2} s an exposure), previews {:.1} s",
         seconds.terrain,
         seconds.horizons,
@@ -105,7 +105,7 @@ fn print(report: &Report) -> Outcome {
         seconds.writing_after
     ))?;
     let Stages { samples, planes, encoding, writing } = report.stages;
-    say(format_args!(
+    print_line(format_args!(
         "beside each other: samples {samples:.1} s, planes {planes:.1} s, encoding {encoding:.1} s, writing {writing:.1} s"
     ))?;
     Ok(())

@@ -3,7 +3,7 @@
 use perilune_engine::scenario::{SHIPPED, ShippedScenario};
 use serde_json::json;
 
-use super::{Outcome, say};
+use super::{Outcome, print_line};
 
 /// List the scenarios that come with the program, or print one of them.
 ///
@@ -21,11 +21,11 @@ pub struct Args {
 
 pub fn run(args: Args) -> Outcome {
     if let Some(scenario) = args.scenario {
-        return Ok(say(scenario.text.trim_end())?);
+        return Ok(print_line(scenario.text.trim_end())?);
     }
     if args.json {
         let entry = |scenario: ShippedScenario| json!({ "name": scenario.name, "title": scenario.title(), "needs": scenario.needs() });
-        return Ok(say(format_args!("{:#}", SHIPPED.map(entry).into_iter().collect::<serde_json::Value>()))?);
+        return Ok(print_line(format_args!("{:#}", SHIPPED.map(entry).into_iter().collect::<serde_json::Value>()))?);
     }
     let widest = SHIPPED.iter().map(|scenario| scenario.name.len()).max().unwrap_or(0);
     for scenario in SHIPPED {
@@ -33,7 +33,7 @@ pub fn run(args: Args) -> Outcome {
             [] => "needs no data".into(),
             files => format!("needs {}", files.join(", ")),
         };
-        say(format_args!("{:<widest$}  {}; {needs}", scenario.name, scenario.title()))?;
+        print_line(format_args!("{:<widest$}  {}; {needs}", scenario.name, scenario.title()))?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2
 use serde_json::json;
 
 use super::common::Kernels;
-use super::{Outcome, say};
+use super::{Outcome, print_line};
 
 /// Where the Sun and the Earth stand in the sky of a place.
 ///
@@ -69,18 +69,18 @@ pub fn run(args: Args) -> Outcome {
         .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
         .collect::<Result<_, _>>()?;
     if args.csv {
-        say(COLUMNS.join(","))?;
+        print_line(COLUMNS.join(","))?;
     } else if !args.json {
-        say(format_args!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at)))?;
-        say(table_header())?;
+        print_line(format_args!("{} in {}, seen from {}", args.body, frame.frame_name, place_text(args.at)))?;
+        print_line(table_header())?;
     }
     for row in rows {
         if args.json {
-            say(row.as_json(&frame))?;
+            print_line(row.as_json(&frame))?;
         } else if args.csv {
-            say(row.as_csv())?;
+            print_line(row.as_csv())?;
         } else {
-            say(row.as_table_line())?;
+            print_line(row.as_table_line())?;
         }
     }
     Ok(())

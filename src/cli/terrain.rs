@@ -6,11 +6,12 @@ use std::time::Duration;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use perilune_engine::files;
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::raster;
 use perilune_engine::terrain::synthetic::{self, Parameters};
 
-use super::{Outcome, place, say};
+use super::{Outcome, place, print_line};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
 ///
@@ -92,7 +93,7 @@ pub fn run(args: Args) -> Outcome {
     bar.finish_and_clear();
     terrain.write(&args.output)?;
     let table = args.output.with_extension("craters.csv");
-    std::fs::write(&table, terrain.craters_csv())
+    files::write(&table, terrain.craters_csv().as_bytes())
         .map_err(|error| format!("cannot write {}: {error}", table.display()))?;
 
     let (lowest_m, highest_m) =
@@ -105,10 +106,10 @@ pub fn run(args: Args) -> Outcome {
             "lowest_m": lowest_m, "highest_m": highest_m,
             "crs": terrain.crs, "seed": parameters.seed,
         });
-        say(serde_json::to_string_pretty(&written)?)?;
+        print_line(serde_json::to_string_pretty(&written)?)?;
     } else {
-        say(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
-        say(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
+        print_line(format_args!("{}: {lowest_m:.0} to {highest_m:.0} m", args.output.display()))?;
+        print_line(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
     }
     Ok(())
 }

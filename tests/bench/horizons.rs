@@ -63,8 +63,7 @@ fn a_skyline_looked_for_between_two_elevations_is_the_whole_one_between_them_and
 /// Within 250 km, from models in latitude and longitude, on the Moon and on Mars' spheroid.
 #[test]
 fn curvature_costs_less_than_the_posting_and_a_hundredth_of_a_degree() {
-    let spheroid =
-        Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
+    let spheroid = Body::mars();
     for (body, latitude_deg) in [(Body::moon(), 30.0), (spheroid.clone(), 40.0)] {
         let mut face = curvature::equirectangular(&body, Geodetic::from_degrees(latitude_deg, 20.0, 0.0)).unwrap();
         let ground = |at: Position<BodyFixed>| curvature::waves_m(&body, body.geodetic_from_position(at));

@@ -1,19 +1,12 @@
 //! Light against published values, row by row.
 
-use std::path::PathBuf;
-
 use perilune_bench::radiometry::{ECLIPSES, rows, run};
 
-fn data() -> Vec<PathBuf> {
-    vec![
-        std::env::var_os("SIM_DATA")
-            .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")), PathBuf::from),
-    ]
-}
+use crate::fixtures;
 
 #[test]
 fn every_row_of_light_agrees_with_what_was_published() {
-    let rows = rows(&data()).unwrap();
+    let rows = rows(&[fixtures::data_folder()]).unwrap();
     let failed: Vec<_> = rows.iter().filter(|row| !row.holds()).collect();
     for row in &rows {
         println!("{:.6e} {:.6e} {:+.1e} {}", row.ours, row.reference, row.ours - row.reference, row.quantity);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use perilune_engine::scenario::{Places, resolve};
+use perilune_engine::scenario::{SearchPath, resolve};
 use tempfile::TempDir;
 
 /// A scenario without a fault. `dem.tif` lies beside it; nothing opens it here.
@@ -571,7 +571,7 @@ fn problems(from: &str, to: &str) -> String {
     std::fs::create_dir(folder.path().join("folder.tif")).unwrap();
     assert!(GOOD.contains(from), "the good scenario has no {from:?}");
     let text = GOOD.replacen(from, to, 1);
-    let places = Places { beside: folder.path().into(), data: vec!["data".into()] };
+    let places = SearchPath { beside: folder.path().into(), data: vec!["data".into()] };
     let about = |name: &str| (name == "moon.tif").then(|| "LOLA heights, to be had from example.org".to_string());
     match resolve(Path::new("x.ron"), &text, &places, &about) {
         Ok(_) => String::new(),
@@ -640,7 +640,7 @@ fn all_problems_are_reported_together_in_the_order_of_lines() {
 /// Every character dropped, every number replaced by what a tired user may write: always a message, never a panic.
 #[test]
 fn no_damage_to_a_scenario_makes_the_check_panic() {
-    let places = Places { beside: "nowhere".into(), data: Vec::new() };
+    let places = SearchPath { beside: "nowhere".into(), data: Vec::new() };
     let check = |text: &str| drop(resolve(Path::new("x.ron"), text, &places, &|_| None));
     for (index, dropped) in GOOD.char_indices() {
         check(&format!("{}{}", &GOOD[..index], &GOOD[index + dropped.len_utf8()..]));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use perilune_engine::dataset::read_exr;
-use perilune_engine::scenario::{Places, Preset, Scenario, resolve};
+use perilune_engine::scenario::{Preset, Scenario, SearchPath, resolve};
 
 use super::run::Run;
 use crate::compare::scene::{Carrier, FOCAL_MM, Flight, PITCH_MM, PIXELS, isd};
@@ -28,7 +28,7 @@ fn scenario(camera: &str, planes: &str) -> String {
 }
 
 fn resolved(text: &str) -> Scenario {
-    let places = Places { beside: ".".into(), data: Vec::new() };
+    let places = SearchPath { beside: ".".into(), data: Vec::new() };
     resolve(Path::new("x.ron"), text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -291,12 +291,12 @@ fn cameras_that_cannot_be_are_named_with_their_key() {
         ("isd: \"nowhere.json\"", "camera.isd = \"nowhere.json\" is not found"),
     ];
     for (camera, said) in cases {
-        let places = Places { beside: "nowhere".into(), data: Vec::new() };
+        let places = SearchPath { beside: "nowhere".into(), data: Vec::new() };
         let error = resolve(Path::new("x.ron"), &scenario(camera, "radiance"), &places, &|_| None).unwrap_err();
         assert!(error.to_string().contains(said), "{error}\nwanted: {said}");
     }
     let text = scenario("columns: 8, rows: 8, field_of_view_deg: 9", "digital_number");
-    let places = Places { beside: "nowhere".into(), data: Vec::new() };
+    let places = SearchPath { beside: "nowhere".into(), data: Vec::new() };
     let error = resolve(Path::new("x.ron"), &text, &places, &|_| None).unwrap_err().to_string();
     assert!(error.contains("outputs.planes[0] = digital_number needs a detector"), "{error}");
 }

@@ -121,7 +121,7 @@ fn a_skyline_is_decoded_and_traced_at_true_azimuths() {
 fn a_whole_body_becomes_six_tiles() {
     let folder = TempDir::new().unwrap();
     let heights: Vec<f32> = (0..72 * 36).map(|pixel| (pixel * 37 % 1000) as f32).collect();
-    let bands = vec![perilune_engine::raster::Band { name: "height", unit: "m", values: &heights }];
+    let bands = vec![perilune_engine::raster::GeoTiffBand { name: "height", unit: "m", values: &heights }];
     let metres = 1_737_400.0 * std::f64::consts::PI / 36.0;
     let crs = "+proj=eqc +R=1737400 +units=m +no_defs";
     let geotransform = [-36.0 * metres, metres, 0.0, 18.0 * metres, 0.0, -metres];

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use perilune_engine::dataset::{Exposure, Facts, Run, Settings, White, Writer};
+use perilune_engine::dataset::{Exposure, ExposureMetadata, Run, Settings, White, Writer};
 use perilune_engine::render::{Image, Plane, Quantity};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -17,7 +17,7 @@ fn dataset() -> TempDir {
     for index in 0..2 {
         let values = (0..8).map(|pixel| 2.0 * pixel as f32).collect();
         let planes = vec![Plane { quantity: Quantity::Radiance, name: "RADIANCE", values }];
-        let facts = Facts { frame_id: format!("test/{index:04}"), ..Facts::default() };
+        let facts = ExposureMetadata { frame_id: format!("test/{index:04}"), ..ExposureMetadata::default() };
         writer
             .submit(Exposure {
                 index,

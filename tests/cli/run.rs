@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use crate::fixtures::left_by_killed;
+
 /// Four images of 64 × 64 pixels over 128 × 128 nodes, with shadows from horizon tiles.
 pub const SMALL: &str = r#"(
     title: "a small descent",
@@ -140,12 +142,12 @@ fn what_is_finished_is_not_rendered_again() {
 }
 
 #[test]
-fn a_partial_file_is_never_taken_for_an_exposure() {
+fn a_temporary_file_is_never_taken_for_an_exposure() {
     let run = Run::of(SMALL);
     run.succeed(&[]);
     let whole = run.files();
     for name in ["exposure_0002.exr", "exposure_0002.json"] {
-        std::fs::rename(run.path("out").join(name), run.path("out").join(format!("{name}.partial"))).unwrap();
+        std::fs::rename(run.path("out").join(name), run.path("out").join(left_by_killed(name))).unwrap();
     }
     run.succeed(&["--resume"]);
     assert_eq!(differing(&whole, &run.files()), Vec::<String>::new());

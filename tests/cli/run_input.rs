@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use perilune_engine::raster::{Band, GeoTiff};
+use perilune_engine::raster::{GeoTiff, GeoTiffBand};
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 
 use super::run::{Run, SMALL};
@@ -21,9 +21,13 @@ fn refusal(run: &Run, arguments: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.starts_with("error: ") && said.lines().count() == 1, "{said}");
     assert!(output.stdout.is_empty());
-    let rendered = std::fs::read_dir(run.path("out")).into_iter().flatten().map(|entry| entry.unwrap().file_name());
-    assert!(rendered.into_iter().all(|name| name == "probe.partial"), "something was rendered");
+    assert_nothing_rendered(run);
     said
+}
+
+fn assert_nothing_rendered(run: &Run) {
+    let rendered = std::fs::read_dir(run.path("out")).into_iter().flatten().count();
+    assert_eq!(rendered, 0, "something was rendered");
 }
 
 fn assert_refuses(run: &Run, parts: &[&str]) {
@@ -42,7 +46,7 @@ fn over_dem(make: impl FnOnce(&Path)) -> Run {
 
 fn write_dem(path: &Path, side: usize, height_m: f32, crs: &str) {
     let values = vec![height_m; side * side];
-    let bands = vec![Band { name: "height", unit: "m", values: &values }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &values }];
     GeoTiff { columns: side, rows: side, bands, crs, geotransform: GEOTRANSFORM }.write(path).unwrap();
 }
 
@@ -175,15 +179,20 @@ fn a_cache_that_cannot_be_written_is_refused() {
     assert_refuses(&run, &["cannot write", "cache"]);
 }
 
-/// `/dev/full` answers every write with ENOSPC, as a full disk does.
+/// A limit of no bytes a file fails every write to the disk, and leaves pipes alone.
 #[test]
-#[cfg(target_os = "linux")]
-fn a_full_disk_is_told_in_the_systems_words() {
+#[cfg(unix)]
+fn a_disk_error_is_told_in_the_systems_words() {
     let run = Run::of(SMALL);
-    std::fs::create_dir(run.path("out")).unwrap();
-    std::os::unix::fs::symlink("/dev/full", run.path("out/probe.partial")).unwrap();
-    let said = refusal(&run, &[]);
-    assert!(said.contains("No space left on device") && said.matches("No space").count() == 1, "{said}");
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_sim"), "run"]);
+    command.arg(run.path("small.ron")).arg("--output").arg(run.path("out")).arg("--cache").arg(run.path("cache"));
+    let output = command.output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.starts_with("error: cannot write ") && said.lines().count() == 1, "{said}");
+    assert_eq!(said.matches("File too large").count(), 1, "{said}");
+    assert_nothing_rendered(&run);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use perilune_engine::scenario::{Dem, HeightAbove, Places, Scenario, Trajectory, resolve};
+use perilune_engine::scenario::{Dem, HeightAbove, Scenario, SearchPath, Trajectory, resolve};
 
 fn sim(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).output().expect("sim runs")
@@ -19,7 +19,7 @@ fn shipped(name: &str) -> Scenario {
         std::fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
         std::fs::write(file, "").expect("a file");
     }
-    let places = Places { beside: "nowhere".into(), data: vec![data.path().into()] };
+    let places = SearchPath { beside: "nowhere".into(), data: vec![data.path().into()] };
     resolve(&path, &text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -1,15 +1,9 @@
 //! Apollo 15 metric frames over the GLD100 model.
 
-use std::path::PathBuf;
-
 use perilune_engine::compare::{Comparison, Freedom, GeometrySource, Law, Model, Request, compare};
 use perilune_engine::pipeline::{AdapterChoice, Silent};
 
-fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let folder = std::env::var_os("SIM_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from).join("apollo15");
-    folder.is_dir().then_some(folder)
-}
+use crate::fixtures::data;
 
 fn request(folder: &std::path::Path, photo: &str, cache: &std::path::Path) -> Request {
     Request {
@@ -33,10 +27,7 @@ fn request(folder: &std::path::Path, photo: &str, cache: &std::path::Path) -> Re
 }
 
 fn of(photo: &str) -> Option<Comparison> {
-    let Some(folder) = data() else {
-        println!("skipped: no apollo15 in SIM_DATA");
-        return None;
-    };
+    let folder = data("apollo15")?;
     let cache = tempfile::tempdir().unwrap();
     Some(compare(&request(&folder, photo, cache.path()), &Silent).unwrap())
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use perilune_engine::raster::{Band, GeoTiff};
+use perilune_engine::raster::{GeoTiff, GeoTiffBand};
 
 use crate::cli::run::{Run, SMALL};
 
@@ -35,7 +35,7 @@ fn albedo_map(path: &Path, source: &str) {
     GeoTiff {
         columns: SIDE,
         rows: SIDE,
-        bands: vec![Band { name: source, unit: "1", values: &values }],
+        bands: vec![GeoTiffBand { name: source, unit: "1", values: &values }],
         crs: "+proj=stere +lat_0=-90 +lon_0=0 +R=1737400 +units=m +no_defs",
         geotransform: [-50_000.0, posting_m, 0.0, 50_000.0, 0.0, -posting_m],
     }

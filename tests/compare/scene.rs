@@ -7,7 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use perilune_engine::compare::{Freedom, Model};
 use perilune_engine::compare::{GeometrySource, Request};
 use perilune_engine::pipeline::AdapterChoice;
-use perilune_engine::raster::{Band, GeoTiff};
+use perilune_engine::raster::{GeoTiff, GeoTiffBand};
 use serde_json::{Value, json};
 
 pub const R: f64 = 1_737_400.0;
@@ -47,7 +47,7 @@ pub fn write_dem(path: &Path) {
     GeoTiff {
         columns: NODES,
         rows: NODES,
-        bands: vec![Band { name: "height", unit: "m", values: &values }],
+        bands: vec![GeoTiffBand { name: "height", unit: "m", values: &values }],
         crs: "+proj=eqc +R=1737400 +units=m +no_defs",
         geotransform: [-edge_m, POSTING_M, 0.0, edge_m, 0.0, -POSTING_M],
     }

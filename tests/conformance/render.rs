@@ -60,8 +60,7 @@ pub fn scenes() -> Vec<(&'static str, Scene, View)> {
     let moon = Body::moon();
     let at = |lat, lon, h| Geodetic::from_degrees(lat, lon, h);
     let bare = || Terrain { body: Body::moon(), faces: vec![] };
-    let mars =
-        Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 };
+    let mars = Body::mars();
     let oblate = Terrain { body: mars.clone(), faces: vec![] };
     vec![
         (

@@ -9,14 +9,14 @@ use perilune_engine::render::{Quantity, Renderer};
 use perilune_engine::scenario::{self, Dem, Scenario};
 
 use super::render::compare;
+use crate::fixtures;
 
 const PIXELS: u32 = 256;
 
 /// A shipped scenario; `None`, with the reason printed, where its data are not here.
 pub fn load(name: &str) -> Option<Scenario> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = std::env::var_os("SIM_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
-    match scenario::load(&root.join("scenarios").join(name), &[data], &|_| None) {
+    match scenario::load(&root.join("scenarios").join(name), &[fixtures::data_folder()], &|_| None) {
         Ok(scenario) => Some(scenario),
         Err(error) => {
             println!("skipped: {error}");

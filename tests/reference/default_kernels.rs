@@ -7,7 +7,8 @@ use perilune_engine::ephemeris::{
 };
 use perilune_engine::geometry::{Geodetic, Position};
 
-use super::ephemeris::{DE440_KERNELS, data_folder, default_almanac, kernel_folder, load};
+use super::ephemeris::{DE440_KERNELS, default_almanac, kernel_folder, load};
+use crate::fixtures::data;
 
 #[test]
 fn a_mars_scenario_runs_with_the_default_kernels() {
@@ -79,10 +80,7 @@ fn the_committed_kernels_are_those_that_the_program_makes() {
 /// The manifest states what lies in `kernels/` and, where present, in the folder of real data.
 #[test]
 fn the_manifest_states_the_files_at_hand() {
-    let mut folders = vec![kernel_folder()];
-    if let Some(data) = data_folder() {
-        folders.extend([data.join("kernels"), data.join("dem")]);
-    }
+    let folders: Vec<_> = [Some(kernel_folder()), data("kernels"), data("dem")].into_iter().flatten().collect();
     let mut bytes_in_all = 0;
     for (i, folder) in folders.iter().enumerate() {
         for entry in std::fs::read_dir(folder).unwrap() {

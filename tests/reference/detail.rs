@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use perilune_engine::geometry::{Body, Geodetic};
-use perilune_engine::raster::{Band, Dem, GeoTiff, Options};
+use perilune_engine::raster::{Dem, GeoTiff, GeoTiffBand, Options};
 use perilune_engine::terrain::synthetic::{Continued, Detail, Structure, continue_below};
 
 const SIDE: usize = 201;
@@ -40,7 +40,7 @@ fn measured(folder: &std::path::Path) -> Dem {
     let half_m = SIDE as f64 * OLD_M / 2.0;
     let crs = "+proj=gnom +lat_0=-80 +lon_0=40 +R=1737400 +units=m +no_defs";
     let geotransform = [-half_m, OLD_M, 0.0, half_m, 0.0, -OLD_M];
-    let bands = vec![Band { name: "height", unit: "m", values: &heights_m }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &heights_m }];
     let path = folder.join("measured.tif");
     GeoTiff { columns: SIDE, rows: SIDE, bands, crs, geotransform }.write(&path).unwrap();
     Dem::open(&path, &Body::moon(), &Options::default()).unwrap()

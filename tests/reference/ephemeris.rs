@@ -8,6 +8,8 @@ use perilune_engine::ephemeris::{Almanac, BodyFrame, DEFAULT_KERNELS, earth, hor
 use perilune_engine::geometry::Geodetic;
 use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S};
 
+use crate::fixtures::data;
+
 pub(super) const DE440_KERNELS: [&str; 5] = [
     "de440s_sun_emb_earth_moon_2000_2030.bsp",
     "moon_pa_de440_2000_2030.bpc",
@@ -16,19 +18,8 @@ pub(super) const DE440_KERNELS: [&str; 5] = [
     "gm_de440.tpc",
 ];
 
-/// The folder of real data, or `None` with a line that says so.
-pub(super) fn data_folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("SIM_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")), PathBuf::from);
-    if folder.join("kernels").is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: {} holds no kernels", folder.display());
-    None
-}
-
 pub(super) fn load(names: &[&str]) -> Option<Almanac> {
-    let folder = data_folder()?.join("kernels");
+    let folder = data("kernels")?;
     let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
     Some(Almanac::load(&paths).unwrap())
 }
@@ -54,7 +45,7 @@ struct Site {
 }
 
 fn sites() -> Option<Vec<Site>> {
-    let text = std::fs::read_to_string(data_folder()?.join("ephemeris_reference/horizons_moon_sites.csv")).unwrap();
+    let text = std::fs::read_to_string(data("ephemeris_reference/horizons_moon_sites.csv")?).unwrap();
     let rows = text.lines().filter(|line| line.starts_with("20"));
     Some(
         rows.map(|row| {

@@ -10,7 +10,7 @@ use perilune_engine::horizon::settings::direction;
 use perilune_engine::horizon::{Encoding, ErrorStatistics, HorizonMap, Memory, Settings, store};
 use perilune_engine::pipeline::globe::{Globe, Options, Report, build, index};
 use perilune_engine::pipeline::{Error, Silent};
-use perilune_engine::raster::{Band, GeoTiff, Values};
+use perilune_engine::raster::{GeoTiff, GeoTiffBand, Values};
 use perilune_engine::terrain::quadtree::TileId;
 use tempfile::TempDir;
 
@@ -42,7 +42,7 @@ pub(super) fn write_globe(path: &Path, height_m: &dyn Fn(DVec3) -> f64) {
     let radius_m = Body::moon().equatorial_radius_m;
     let (half_m, pixel_m) = (PI * radius_m, pixel_rad * radius_m);
     let geotransform = [-half_m, pixel_m, 0.0, half_m / 2.0, 0.0, -pixel_m];
-    let bands = vec![Band { name: "height", unit: "m", values: &values }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &values }];
     let crs = "+proj=eqc +R=1737400 +units=m +no_defs";
     GeoTiff { columns, rows, bands, crs, geotransform }.write(path).unwrap();
 }

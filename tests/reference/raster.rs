@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Body, Geodetic};
-use perilune_engine::raster::{Band, Dem, Error, GeoTiff, Georeference, Options, Values, Window};
+use perilune_engine::raster::{Dem, Error, GeoTiff, GeoTiffBand, Georeference, Options, Values, Window};
 
 use models::*;
 
@@ -127,9 +127,9 @@ fn latitude_is_measured_on_the_figure_of_the_crs() {
     let heights: Vec<f32> = (0..200 * 200).map(|index| 100.0 * (50.0 - (index / 200) as f32 * 0.1)).collect();
     let geotransform = [-10.05, 0.1, 0.0, 50.05, 0.0, -0.1];
     let point = Geodetic::from_degrees(45.0, 0.0, 0.0);
-    let position = mars().position_from_geodetic(point);
+    let position = Body::mars().position_from_geodetic(point);
     // tan(planetocentric) = (b/a)² tan(planetographic).
-    let ratio = mars().polar_radius_m / mars().equatorial_radius_m;
+    let ratio = Body::mars().polar_radius_m / Body::mars().equatorial_radius_m;
     let planetocentric_deg = (ratio * ratio).atan().to_degrees();
     for (crs, expected_deg) in [
         ("+proj=longlat +R=3396190 +no_defs", planetocentric_deg),
@@ -137,7 +137,7 @@ fn latitude_is_measured_on_the_figure_of_the_crs() {
     ] {
         let path = folder.path().join("ramp.tif");
         write(&path, 200, 200, crs, geotransform, &heights);
-        let dem = Dem::open(&path, &mars(), &Options::default()).unwrap();
+        let dem = Dem::open(&path, &Body::mars(), &Options::default()).unwrap();
         let got = dem.height_m(dem.georeference.projector().unwrap().pixels(&[position])[0]);
         assert!((got / 100.0 - expected_deg).abs() < 1e-5, "{crs}: {got}");
     }
@@ -149,7 +149,7 @@ fn latitude_is_measured_on_the_figure_of_the_crs() {
 fn the_radii_of_a_spheroid_are_heights_of_zero_on_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("radius.tif");
-    let (a, b) = (mars().equatorial_radius_m, mars().polar_radius_m);
+    let (a, b) = (Body::mars().equatorial_radius_m, Body::mars().polar_radius_m);
     let radii: Vec<f32> = (0..360 * 180)
         .map(|index| {
             let latitude_rad = (89.5 - (index / 360) as f64).to_radians();
@@ -157,7 +157,7 @@ fn the_radii_of_a_spheroid_are_heights_of_zero_on_it() {
         })
         .collect();
     write(&path, 360, 180, "+proj=longlat +R=3396190 +no_defs", [0.0, 1.0, 0.0, 90.0, 0.0, -1.0], &radii);
-    let dem = Dem::open(&path, &mars(), &Options::default()).unwrap();
+    let dem = Dem::open(&path, &Body::mars(), &Options::default()).unwrap();
     // Half a unit in the last place of the stored radius.
     assert!(dem.heights_m.iter().all(|height| height.abs() < 0.13), "{:?}", &dem.heights_m[..3]);
 }
@@ -180,7 +180,7 @@ fn crs_of_the_iau_registry_keep_x_east() {
     }
     // GeoTIFF cannot say that longitude runs west; formats with a WKT can. Longitude 340 W is 20 E.
     let ographic = Georeference::new("IAU_2015:49901", [0.0, 1.0, 0.0, 90.0, 0.0, -1.0], 360).unwrap();
-    let point = mars().position_from_geodetic(Geodetic::from_degrees(0.0, 20.0, 0.0));
+    let point = Body::mars().position_from_geodetic(Geodetic::from_degrees(0.0, 20.0, 0.0));
     assert!((ographic.projector().unwrap().pixels(&[point])[0].x - 339.5).abs() < 1e-6);
 }
 
@@ -217,8 +217,8 @@ fn what_is_wrong_with_a_file_is_said() {
     assert!(matches!(Dem::open(&good, &moon, &second).unwrap_err(), Error::NoSuchBand { bands: 1, .. }));
 
     let values = vec![0.0; 64];
-    let band = Band { name: "a", unit: "m", values: &values };
-    let bands = vec![band, Band { name: "b", ..band }];
+    let band = GeoTiffBand { name: "a", unit: "m", values: &values };
+    let bands = vec![band, GeoTiffBand { name: "b", ..band }];
     GeoTiff { columns: 8, rows: 8, bands, crs: &crs, geotransform: north_up }.write(&at("two.tif")).unwrap();
     assert!(matches!(refuse(&at("two.tif")), Error::ManyBands { bands: 2, .. }));
     assert!(Dem::open(&at("two.tif"), &moon, &second).is_ok());

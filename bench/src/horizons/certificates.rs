@@ -8,7 +8,7 @@ use crate::{Table, Value};
 use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::exact::{Exact, Interval};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 /// The table that [`row`] fills.
 pub fn table() -> Table {

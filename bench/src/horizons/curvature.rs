@@ -23,8 +23,8 @@ use perilune_engine::geometry::{Body, BodyFixed, Geodetic, Position};
 use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::measure::Sample;
 use perilune_engine::horizon::trace::Tracer;
-use perilune_engine::raster::{self, Band, Dem, GeoTiff};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::raster::{self, Dem, GeoTiff, GeoTiffBand};
+use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
 use perilune_engine::terrain::{Face, Gnomonic, NestedDem, build_face};
 
@@ -32,10 +32,6 @@ const REACH_M: f64 = 250_000.0;
 const MAST_M: f64 = 500.0;
 /// Nodes of the analytic terrains: smooth over tens of kilometres.
 const POSTING_M: f64 = 1000.0;
-
-/// The spheroid of Mars (IAU 2009).
-const MARS_EQUATORIAL_M: f64 = 3_396_190.0;
-const MARS_POLAR_M: f64 = 3_376_200.0;
 
 /// Heights above a body's figure at places in space.
 pub type Ground<'a> = dyn Fn(Position<BodyFixed>) -> f64 + Sync + 'a;
@@ -60,7 +56,7 @@ pub fn table() -> Table {
 
 /// The Moon and Mars as spheres and Mars as a spheroid, from models in latitude and longitude; and the polar cap, if given.
 pub fn rows(cap: Option<&Scene>, pixels: usize, azimuths: usize) -> Result<Vec<Vec<Value>>, Error> {
-    let spheroid = Body { equatorial_radius_m: MARS_EQUATORIAL_M, polar_radius_m: MARS_POLAR_M, ..mars() };
+    let spheroid = Body::mars();
     let cases = [
         ("Moon, equirectangular, 30° N", Body::moon(), 30.0),
         ("Mars' radius, equirectangular, 30° N", mars(), 30.0),
@@ -197,7 +193,7 @@ pub fn equirectangular(body: &Body, centre: Geodetic) -> Result<Face, Error> {
     let raster = GeoTiff {
         columns,
         rows,
-        bands: vec![Band { name: "height", unit: "m", values: &values }],
+        bands: vec![GeoTiffBand { name: "height", unit: "m", values: &values }],
         crs: &format!("+proj=longlat +a={equatorial_m} +b={polar_m} +no_defs"),
         geotransform: [west_deg, pixel_deg, 0.0, north_deg, 0.0, -pixel_deg],
     };

@@ -15,8 +15,8 @@ use super::tiles::Scratch;
 use crate::scenes::Scene;
 use crate::{Error, Table, Value};
 use perilune_engine::horizon::{Method, Settings};
-use perilune_engine::raster::{Band, GeoTiff};
-use perilune_engine::report::statistics::median;
+use perilune_engine::raster::{GeoTiff, GeoTiffBand};
+use perilune_engine::statistics::median;
 
 /// The table that [`rows`] fill.
 pub fn table() -> Table {
@@ -87,7 +87,7 @@ fn prepare(scene: &Scene, folder: &Path) -> Result<bool, Error> {
     let raster = GeoTiff {
         columns: level.columns,
         rows: level.rows,
-        bands: vec![Band { name: "height", unit: "m", values: &values }],
+        bands: vec![GeoTiffBand { name: "height", unit: "m", values: &values }],
         crs: &format!("+proj=tmerc +lat_0=0 +lon_0=0 +k=1 +x_0=0 +y_0=0 +R={radius_m} +units=m +no_defs"),
         geotransform: [west_m, level.posting_m, 0.0, north_m, 0.0, -level.posting_m],
     };

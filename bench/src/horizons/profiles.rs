@@ -8,7 +8,7 @@ use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::search::Search;
 use perilune_engine::horizon::trace::Tracer;
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 /// Horizons of some pixels, `[pixel][azimuth]`, in radians.
 pub type Profiles = Vec<Vec<f64>>;

@@ -8,7 +8,7 @@ use crate::{Error, Table, Value};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::quantity::SOLAR_RADIUS_M;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 pub const SUN_ELEVATIONS_DEG: [f64; 4] = [1.5, 3.0, 6.0, 15.0];
 const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;

@@ -11,7 +11,7 @@ use perilune_engine::horizon::search::Search;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{Method, Settings};
 use perilune_engine::report::machine::thread_seconds;
-use perilune_engine::report::statistics::median;
+use perilune_engine::statistics::median;
 
 /// Pixels that the trace is timed on: it is slow, and as slow for each of them.
 const TRACED_PIXELS: usize = 24;

@@ -44,9 +44,9 @@ pub fn tile(
     progress.begin(&format!("{encoding} of {}", scene.name), settings.azimuths, "azimuths");
     forget_peak_memory();
     let start = Instant::now();
-    let heard = |done: usize, total: usize| progress.at(done, total);
+    let on_progress = |done: usize, total: usize| progress.at(done, total);
     let request = Request { body: &scene.body, face: &scene.face, level: 0, settings: *settings, encoding };
-    let map = horizon::build(&request, &folder.path, &heard)?;
+    let map = horizon::build(&request, &folder.path, &on_progress)?;
     let seconds = start.elapsed().as_secs_f64();
     let peak_mib = peak_memory_mib();
 

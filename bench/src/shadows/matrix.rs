@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::methods::{MethodFactory, outside_domain};
 use super::truth::{ERRORS, Truth};
 use super::{Options, Trial, comparable, picture, traced_settings, trial};
-use crate::kept::Kept;
+use crate::step_cache::StepCache;
 use crate::{Error, Machine, Report, Table, Value};
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::horizon::HorizonMap;
@@ -25,8 +25,8 @@ use perilune_engine::quantity::ASTRONOMICAL_UNIT_M;
 use perilune_engine::render::{Renderer, Scene, View};
 use perilune_engine::report::Picture;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::median;
 use perilune_engine::scenario::{FixedSun, Scenario};
+use perilune_engine::statistics::median;
 
 /// Elevations of the Sun's centre in a quick run, in degrees.
 pub const QUICK_DEG: [f64; 3] = [1.5, 6.0, 15.0];
@@ -52,7 +52,7 @@ pub fn run(
     progress: &dyn Progress,
 ) -> Result<Report, Error> {
     let mut bench = Bench::new(scenario, options, repeat, progress)?;
-    let kept = Kept::new(&options.cache, &(scenario, options, elevations_deg, repeat))?;
+    let kept = StepCache::new(&options.cache, &(scenario, options, elevations_deg, repeat))?;
     let mut notes = bench.notes();
     let columns = [&COLUMNS[..], &ERRORS].concat();
     let mut table =

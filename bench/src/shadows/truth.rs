@@ -11,9 +11,9 @@ use crate::{Error, Value};
 use perilune_engine::image_metrics::{Grid, edges, flip, ssim};
 use perilune_engine::render::planes::Radiometry;
 use perilune_engine::render::{Quantity, Renderer, Scene, View};
-use perilune_engine::report::statistics::{Errors, median};
 use perilune_engine::scenario::Scenario;
 use perilune_engine::shadow::registry;
+use perilune_engine::statistics::{Errors, median};
 
 /// Columns of what [`Truth::errors`] gives.
 pub(super) const ERRORS: [(&str, &str); 8] = [

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Options, quantile};
+use super::Options;
 use crate::horizons::encodings::{AZIMUTHS, Patch, SUNS, decoded};
 use crate::scenes::Scene;
 use crate::{Error, Table, Value};
@@ -24,6 +24,7 @@ use perilune_engine::pipeline::Progress;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
 use perilune_engine::shadow::horizon_maps::Visibility;
 use perilune_engine::shadow::horizon_maps::visibility::DiscGeometry;
+use perilune_engine::statistics::quantile;
 
 /// What the figures compare, the baseline first.
 const ENCODINGS: [Encoding; 8] = [
@@ -163,7 +164,7 @@ fn hard_shadows(
             baseline = mean;
         }
         let mut row = vec![scene.name.as_str().into(), encoding.name().into()];
-        row.extend([mean, quantile(&rates, BAR), mean / baseline, compared.x, compared.y].map(Value::from));
+        row.extend([mean, quantile(rates.clone(), BAR), mean / baseline, compared.x, compared.y].map(Value::from));
         rows.push(row);
         if [Encoding::Raw12, Encoding::Fm8, Encoding::Fm16].contains(&encoding) {
             let points = rates.iter().enumerate().map(|(sun, rate)| [360.0 * sun as f64 / SUNS as f64, *rate]);
@@ -234,7 +235,7 @@ fn soft_shadows(scene: &Scene, patch: &Patch, options: &Options) -> Result<Vec<V
     let row = |(way, (name, _)): (usize, &(&str, Way))| {
         let [boxes, disc] = [column(way, 0), column(way, 1)];
         let mut row = vec![scene.name.as_str().into(), (*name).into()];
-        row.extend([mean(&boxes), quantile(&boxes, BAR), mean(&boxes) / middle, mean(&disc)].map(Value::from));
+        row.extend([mean(&boxes), quantile(boxes.clone(), BAR), mean(&boxes) / middle, mean(&disc)].map(Value::from));
         row
     };
     Ok(WAYS.iter().enumerate().map(row).collect())

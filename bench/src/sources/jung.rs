@@ -11,7 +11,7 @@
 use crate::{Error, Table, Value};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::report::plot::{Axis, Curve, Plot};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 /// Of the WAC's band that Sato et al. (2014) take.
 const WAVELENGTH_NM: f64 = 643.0;

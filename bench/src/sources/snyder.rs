@@ -27,12 +27,12 @@ use perilune_engine::horizon::settings::direction;
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::pipeline::Progress;
 use perilune_engine::render::{Light, RenderError};
-use perilune_engine::report::statistics::Errors;
 use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::multiscale::device::OnDevice;
 use perilune_engine::shadow::sky::{Harmonics, Wedges};
 use perilune_engine::shadow::skylines::Skyline;
 use perilune_engine::shadow::{FieldMaker, QuantizedLight, SurfacePoints};
+use perilune_engine::statistics::Errors;
 use perilune_engine::terrain::{Level, Terrain};
 
 /// A cone of 45° in the middle of 128² nodes of 1 m.

@@ -21,13 +21,15 @@
 //! Laura, Mapel & Hare (2020), Earth and Space Science 7, doi:10.1029/2019EA000713; `usgscsm` for frame, line-scan and
 //! push-frame sensors.
 
+mod spec;
+
 use std::path::{Path, PathBuf};
 
-use glam::{DMat3, DQuat, DVec2, DVec3};
-use serde::Deserialize;
+use glam::{DMat3, DVec2, DVec3};
 
 use super::{Camera, CameraError, Correction, Pose, PosedCamera, Shutter};
 use crate::geometry::{Body, BodyFixed, Position, Rotation};
+use spec::{IsdSpec, Radii};
 
 /// What an ISD says, in our terms.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,93 +60,6 @@ pub enum IsdError {
     Camera { path: PathBuf, source: CameraError },
 }
 
-#[derive(Debug, Clone, Deserialize)]
-struct Written {
-    name_model: String,
-    image_lines: u32,
-    image_samples: u32,
-    focal2pixel_lines: [f64; 3],
-    focal2pixel_samples: [f64; 3],
-    focal_length_model: FocalLength,
-    detector_center: DetectorCentre,
-    #[serde(default)]
-    starting_detector_line: f64,
-    #[serde(default)]
-    starting_detector_sample: f64,
-    #[serde(default = "one")]
-    detector_line_summing: f64,
-    #[serde(default = "one")]
-    detector_sample_summing: f64,
-    #[serde(default)]
-    optical_distortion: serde_json::Map<String, serde_json::Value>,
-    radii: Radii,
-    center_ephemeris_time: f64,
-    starting_ephemeris_time: Option<f64>,
-    /// Start line, start time from the centre time, seconds a line.
-    #[serde(default)]
-    line_scan_rate: Vec<[f64; 3]>,
-    exposure_duration: Option<f64>,
-    interframe_delay: Option<f64>,
-    framelet_height: Option<u32>,
-    #[serde(default)]
-    framelet_order_reversed: bool,
-    #[serde(default)]
-    framelets_flipped: bool,
-    instrument_position: Positions,
-    instrument_pointing: Turning,
-    body_rotation: Turning,
-    sun_position: Positions,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct FocalLength {
-    focal_length: f64,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct DetectorCentre {
-    line: f64,
-    sample: f64,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Radii {
-    semimajor: f64,
-    semiminor: f64,
-    #[serde(default = "kilometres")]
-    unit: String,
-}
-
-fn kilometres() -> String {
-    "km".into()
-}
-
-/// Positions in J2000 from the body's centre.
-#[derive(Debug, Clone, Deserialize)]
-struct Positions {
-    positions: Vec<[f64; 3]>,
-    #[serde(default)]
-    ephemeris_times: Vec<f64>,
-    #[serde(default = "kilometres")]
-    unit: String,
-}
-
-/// Rotations from J2000.
-#[derive(Debug, Clone, Deserialize)]
-struct Turning {
-    quaternions: Vec<[f64; 4]>,
-    #[serde(default)]
-    ephemeris_times: Vec<f64>,
-    /// Row by row, after the quaternion.
-    constant_rotation: Option<[f64; 9]>,
-}
-
-/// Neighbours that an interpolated position goes through.
-const NEIGHBOURS: usize = 8;
 /// Cosine of sample and line axes up to which they are perpendicular.
 const SKEW: f64 = 1e-6;
 
@@ -156,7 +71,7 @@ impl Isd {
     }
 
     pub fn from_json(path: &Path, json: serde_json::Value) -> Result<Self, IsdError> {
-        let written: Written =
+        let written: IsdSpec =
             serde_json::from_value(json).map_err(|source| IsdError::Json { path: path.into(), source })?;
         Reader { path, isd: &written }.read()
     }
@@ -164,7 +79,7 @@ impl Isd {
 
 struct Reader<'a> {
     path: &'a Path,
-    isd: &'a Written,
+    isd: &'a IsdSpec,
 }
 
 impl Reader<'_> {
@@ -210,7 +125,7 @@ impl Reader<'_> {
 
     /// Each table has a time for each of its rows.
     fn check_tables(&self) -> Result<(), IsdError> {
-        let Written { instrument_position, instrument_pointing, body_rotation, sun_position, .. } = self.isd;
+        let IsdSpec { instrument_position, instrument_pointing, body_rotation, sun_position, .. } = self.isd;
         for (key, rows, times) in [
             ("instrument_position", instrument_position.positions.len(), &instrument_position.ephemeris_times),
             ("instrument_pointing", instrument_pointing.quaternions.len(), &instrument_pointing.ephemeris_times),
@@ -390,43 +305,5 @@ impl Reader<'_> {
 
     fn body_from_sensor(&self, time: f64) -> DMat3 {
         self.isd.body_rotation.at(time) * self.isd.instrument_pointing.at(time).transpose()
-    }
-}
-
-impl Positions {
-    /// Lagrange's polynomial through the neighbours.
-    fn at(&self, time: f64) -> DVec3 {
-        let (times, count) = (&self.ephemeris_times, self.positions.len().min(NEIGHBOURS));
-        if self.positions.len() == 1 {
-            return self.positions[0].into();
-        }
-        let after = times.partition_point(|t| *t < time);
-        let first = after.saturating_sub(count / 2).min(self.positions.len() - count);
-        let chosen = first..first + count;
-        let weight = |i: usize| {
-            let others = chosen.clone().filter(|j| *j != i);
-            others.map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>()
-        };
-        chosen.clone().map(|i| weight(i) * DVec3::from(self.positions[i])).sum()
-    }
-}
-
-impl Turning {
-    fn at(&self, time: f64) -> DMat3 {
-        let quaternion = |i: usize| {
-            let [w, x, y, z] = self.quaternions[i];
-            DQuat::from_xyzw(x, y, z, w).normalize()
-        };
-        let turned = if self.quaternions.len() == 1 {
-            quaternion(0)
-        } else {
-            let times = &self.ephemeris_times;
-            let after = times.partition_point(|t| *t < time).clamp(1, times.len() - 1);
-            let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
-            let (a, b) = (quaternion(after - 1), quaternion(after));
-            a.slerp(if a.dot(b) < 0.0 { -b } else { b }, share).normalize()
-        };
-        let constant = self.constant_rotation.map_or(DMat3::IDENTITY, |rows| DMat3::from_cols_array(&rows).transpose());
-        constant * DMat3::from_quat(turned)
     }
 }

@@ -22,8 +22,8 @@ pub use distortion::Distortion;
 pub use isd::{Isd, IsdError};
 pub use optics::{Camera, Vignetting};
 pub use posed::{Pose, PosedCamera};
-pub use psf::{Kernel, Psf, Spread};
-pub use shutter::{Band, Shutter};
+pub use psf::{Kernel, Psf, PsfComponent};
+pub use shutter::{ExposedRows, Shutter};
 
 /// A camera that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -32,7 +32,7 @@ use super::{CameraError, check};
 
 /// One cause of blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Spread {
+pub enum PsfComponent {
     Gaussian {
         sigma_px: f64,
     },
@@ -79,7 +79,7 @@ const FARTHEST_PX: f64 = 48.0;
 const AIRY_STEP: f64 = 0.1;
 const DISC_STEP: f64 = 0.01;
 
-impl Spread {
+impl PsfComponent {
     pub fn check(&self) -> Result<(), CameraError> {
         match *self {
             Self::Gaussian { sigma_px } => check("psf sigma", sigma_px, 0.05..=12.0, "[0.05, 12] px"),
@@ -216,8 +216,8 @@ impl Kernel {
 
 impl Psf {
     /// For `side × side` rays a pixel. Spreads follow one another; a kernel comes last.
-    pub fn new(spreads: &[Spread], kernel: Option<&Kernel>, side: usize) -> Result<Self, CameraError> {
-        spreads.iter().try_for_each(Spread::check)?;
+    pub fn new(spreads: &[PsfComponent], kernel: Option<&Kernel>, side: usize) -> Result<Self, CameraError> {
+        spreads.iter().try_for_each(PsfComponent::check)?;
         let cells_a_ray = (CELLS.div_ceil(side)) | 1;
         let cells_a_pixel = cells_a_ray * side;
         let step_px = 1.0 / cells_a_pixel as f64;

@@ -37,7 +37,7 @@ pub enum Shutter {
 
 /// Rows of an image that are exposed together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
+pub struct ExposedRows {
     /// The first of them, in the optics of one exposure.
     pub first_row: i64,
     pub rows: u32,
@@ -73,27 +73,27 @@ impl Shutter {
     }
 
     /// An image's bands, its top first, in pieces within which neighbouring rows see neighbouring ground.
-    pub fn pieces(&self, rows: u32) -> Vec<Vec<Band>> {
+    pub fn pieces(&self, rows: u32) -> Vec<Vec<ExposedRows>> {
         let all = f64::from(rows) - 1.0;
         match *self {
-            Self::Global => vec![vec![Band { first_row: 0, rows, time_s: 0.0 }]],
+            Self::Global => vec![vec![ExposedRows { first_row: 0, rows, time_s: 0.0 }]],
             Self::Rolling { line_time_s, rows_per_pose, upwards } => {
                 let band = |first: u32| {
                     let count = rows_per_pose.min(rows - first);
                     let middle = f64::from(first) + 0.5 * (f64::from(count) - 1.0);
                     let time_s = signed(upwards, (middle - 0.5 * all) * line_time_s);
-                    Band { first_row: i64::from(first), rows: count, time_s }
+                    ExposedRows { first_row: i64::from(first), rows: count, time_s }
                 };
                 vec![(0..rows).step_by(rows_per_pose as usize).map(band).collect()]
             }
             Self::LineScan { line_time_s, upwards } => {
                 let time_s = |row: u32| signed(upwards, (f64::from(row) - 0.5 * all) * line_time_s);
-                vec![(0..rows).map(|row| Band { first_row: 0, rows: 1, time_s: time_s(row) }).collect()]
+                vec![(0..rows).map(|row| ExposedRows { first_row: 0, rows: 1, time_s: time_s(row) }).collect()]
             }
             Self::PushFrame { interval_s, framelet_rows, upwards } => {
                 let count = rows / framelet_rows;
                 let time_s = |k: u32| signed(upwards, (f64::from(k) - 0.5 * (f64::from(count) - 1.0)) * interval_s);
-                let piece = |k: u32| vec![Band { first_row: 0, rows: framelet_rows, time_s: time_s(k) }];
+                let piece = |k: u32| vec![ExposedRows { first_row: 0, rows: framelet_rows, time_s: time_s(k) }];
                 (0..count).map(piece).collect()
             }
         }

@@ -11,7 +11,7 @@ use super::photometric::{Model, Response};
 use super::register::{Freedom, Registration, register_detail, warped};
 use super::render::{Studio, Trial};
 use super::request::Law;
-use super::study::Resolution;
+use super::resolution::Resolution;
 use super::{Error, Grid};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::pipeline::Progress;

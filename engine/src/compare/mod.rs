@@ -22,6 +22,7 @@ pub mod register;
 pub mod render;
 pub mod report;
 pub mod request;
+pub mod resolution;
 pub mod scales;
 pub mod study;
 

@@ -18,9 +18,10 @@
 
 use serde::Serialize;
 
-use super::statistics::{correlation, quantile, spread};
+use super::statistics::{correlation, spread};
 use super::{Grid, flip};
 use crate::image_metrics::ssim;
+use crate::statistics::quantile;
 
 /// Of a photograph and a registered render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

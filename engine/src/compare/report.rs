@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value as Json, json};
 
 use super::pose::PoseFit;
-use super::study::{AlbedoSource, Comparison, SLOPE_SIGMA};
+use super::resolution::SLOPE_SIGMA;
+use super::study::{AlbedoSource, Comparison};
 use super::{Error, Freedom, figures};
 use crate::dataset;
 use crate::report::page::{Picture, STYLE, base64, table_html};

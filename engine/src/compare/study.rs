@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Both are compared at the coarser of their resolutions: the photograph is averaged over areas until its pixels are as
-//! large on the ground as the elevation model's posting, and both are smoothed by the [`SLOPE_SIGMA`] postings
+//! large on the ground as the elevation model's posting, and both are smoothed by the [`SLOPE_SIGMA`](super::resolution::SLOPE_SIGMA) postings
 //! over which the model's slopes are means. The render has the photograph's pixels, or larger ones up to a third of
 //! those compared, and is reduced as the photograph is: a render compared with itself differs by nothing.
 //!
@@ -27,6 +27,7 @@ use super::profile::{self, Bin, Profile};
 use super::register::{Registration, register_detail, warped};
 use super::render::{Planes, Stage, Studio, Trial};
 use super::request::{GeometrySource, Law, Request};
+use super::resolution::{FINER, Resolution};
 use super::scales::{Scale, scales};
 use super::{Error, Geometry, Grid, provenance};
 use crate::camera::PosedCamera;
@@ -36,11 +37,6 @@ use crate::raster::Picture;
 use crate::scenario;
 use crate::terrain::{Ground, Surface};
 
-/// Standard deviation of what a slope of the elevation model averages over, in postings: central differences span two
-/// of them, `(2²)/12`, and are interpolated over a tent, `1/6`; the root of the sum.
-pub const SLOPE_SIGMA: f64 = 0.707;
-/// Rendered pixels along a compared one, at most.
-const FINER: f64 = 3.0;
 /// Width of the border that does not count, over the image's sides.
 pub const BORDER: f64 = 0.03;
 /// Standard deviation of the Gaussian that the high-pass takes away, over the longer side.
@@ -100,25 +96,21 @@ pub enum AlbedoSource {
     },
 }
 
-/// At what the two were compared.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolution {
-    pub photo_px: [usize; 2],
-    pub photo_pixel_m: f64,
-    pub posting_m: f64,
-    pub compared_px: [usize; 2],
-    pub compared_pixel_m: f64,
-    pub high_pass_px: f64,
-    /// Distance of the ground in the middle of the image.
-    pub range_m: f64,
-}
-
 /// The view, rendered and registered.
 struct Registered {
     planes: Planes,
     radiance: Grid,
     registration: Registration,
     pose: Option<PoseFit>,
+}
+
+/// What a photograph is registered with.
+struct Registering<'a> {
+    request: &'a Request,
+    resolution: &'a Resolution,
+    main: &'a Trial,
+    photo: &'a Grid,
+    samples: usize,
 }
 
 /// Compares a photograph with its render.
@@ -128,74 +120,28 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let main = main_trial(request)?;
     let Prepared { mut geometry, scene, inputs } = prepared(request, &main, &picture, progress)?;
     let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
-    let stage_of = |geometry: &Geometry, surface: &Surface| {
-        let camera = geometry.camera.coarser(resolution.render_factor())?;
-        let sky = Sky::of(geometry, &camera, surface).ok_or_else(|| no_ground(request, geometry))?;
-        Ok::<_, Error>((camera, sky))
-    };
-    let (mut camera, mut sky) = stage_of(&geometry, &scene.surface)?;
+    let (camera, mut sky) = viewpoint(request, &resolution, &geometry, &scene.surface)?;
     let samples = samples(request, &resolution);
     let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples };
     let mut studio = Studio::new(&stage, scene, request.adapter)?;
-
-    let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
-    let border = |side: usize| (BORDER * side as f64).ceil() as usize;
-    let photo = resolution.seen(photo);
-    let photo = photo.without_border(border(photo.columns), border(photo.rows));
-    let high_pass_px = resolution.high_pass_px;
-    let register = |studio: &mut Studio, geometry: &Geometry| {
-        let planes = studio.whole(&main)?;
-        let radiance = resolution.seen(planes.grid("RADIANCE"));
-        let registration = register_detail(&photo, &radiance, high_pass_px, request.freedom)?;
-        let compared = geometry.camera.coarser(resolution.factor())?;
-        let pose = pose::explain(&compared, studio.surface(), &registration);
-        Ok::<_, Error>(Registered { planes, radiance, registration, pose })
-    };
-    let rounds = if request.fit_pose { POSE_ROUNDS } else { 0 };
-    progress.begin("rendering", 1 + rounds, "images");
-    let mut registered = register(&mut studio, &geometry)?;
-    let mut fitted_pose = None;
-    for round in 1..=rounds {
-        progress.at(round, 1 + rounds);
-        let still = registered.registration.motion.corner_px(photo.columns, photo.rows) < POSE_SETTLED_PX;
-        let Some(pose) = registered.pose.filter(|_| !still) else { break };
-        geometry.camera = pose.apply(&geometry.camera);
-        fitted_pose = Some(pose.after(fitted_pose));
-        (camera, sky) = stage_of(&geometry, studio.surface())?;
-        studio.restage(&Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples });
-        registered = register(&mut studio, &geometry)?;
-    }
+    let photo = reduced_photo(&picture, &camera, &resolution);
+    let registering = Registering { request, resolution: &resolution, main: &main, photo: &photo, samples };
+    let (registered, fitted_pose) = registering.run(&mut studio, &mut geometry, &mut sky, progress)?;
     let Registered { planes, radiance, registration, pose } = registered;
     let moved = |image: &Grid| warped(image, &registration.motion);
     let render = moved(&radiance);
     let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
 
-    let fit = |model: Model| {
-        let response = Response::fit(model, &photo, &render);
-        let fitted = response.apply(&render);
-        let numbers = Numbers::of(&photo, &render, &fitted, high_pass_px, request.dark);
-        (model, response, numbers, fitted)
-    };
+    let fit = |model: Model| fit(model, &photo, &render, [resolution.high_pass_px, request.dark]);
     let (model, response, numbers, fitted) = fit(request.model);
     let responses = Model::ALL.map(fit).map(|(model, response, numbers, _)| (model, response, numbers)).to_vec();
-    let threshold = edges::threshold(&photo, &sun_fraction);
-    let confusion = threshold.map(|threshold| edges::confusion(&photo, &sun_fraction, threshold));
-    let pixel_m = resolution.compared_pixel_m;
-    let displacement =
-        threshold.map(|threshold| edges::displacement(&photo, &sun_fraction, threshold, sky.towards_sun, pixel_m));
+    let (confusion, displacement) = edges_of_shadows(&photo, &sun_fraction, &sky, resolution.compared_pixel_m);
     let [incidence, slope] =
         [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
-    let setting = ablation::Setting {
-        photo: &photo,
-        radiance: &radiance,
-        resolution: &resolution,
-        freedom: request.freedom,
-        model: request.model,
-    };
-    let ablation = match request.ablation {
-        true => ablation::run(&mut studio, &main, &setting, progress)?,
-        false => Vec::new(),
-    };
+    let (photo_grid, radiance, freedom) = (&photo, &radiance, request.freedom);
+    let setting =
+        ablation::Setting { photo: photo_grid, radiance, resolution: &resolution, freedom, model: request.model };
+    let rows = request.ablation.then(|| ablation::run(&mut studio, &main, &setting, progress)).transpose()?;
     let sun = request.turn_sun.then(|| ablation::sun(&mut studio, &main, &setting, progress)).transpose()?;
     Ok(Comparison {
         photo_name: ground::file_name(&request.photo),
@@ -211,7 +157,7 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         responses,
         confusion,
         displacement,
-        ablation,
+        ablation: rows.unwrap_or_default(),
         sun,
         by_incidence: profile::binned(&photo, &fitted, &incidence, 5.0),
         by_slope: profile::binned(&photo, &fitted, &slope, 2.5),
@@ -224,6 +170,85 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
         fitted,
         sun_fraction,
     })
+}
+
+/// A model fitted to the photograph, its numbers, and the render as it answers.
+fn fit(model: Model, photo: &Grid, render: &Grid, [high_pass_px, dark]: [f64; 2]) -> (Model, Response, Numbers, Grid) {
+    let response = Response::fit(model, photo, render);
+    let fitted = response.apply(render);
+    let numbers = Numbers::of(photo, render, &fitted, high_pass_px, dark);
+    (model, response, numbers, fitted)
+}
+
+/// The camera that renders, and the sky above what it sees.
+fn viewpoint(
+    request: &Request,
+    resolution: &Resolution,
+    geometry: &Geometry,
+    surface: &Surface,
+) -> Result<(PosedCamera, Sky), Error> {
+    let camera = geometry.camera.coarser(resolution.render_factor())?;
+    let sky = Sky::of(geometry, &camera, surface).ok_or_else(|| no_ground(request, geometry))?;
+    Ok((camera, sky))
+}
+
+/// The photograph as it is compared: reduced, smoothed, without its border.
+fn reduced_photo(picture: &Picture, camera: &PosedCamera, resolution: &Resolution) -> Grid {
+    let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
+    let photo = resolution.seen(photo);
+    let border = |side: usize| (BORDER * side as f64).ceil() as usize;
+    photo.without_border(border(photo.columns), border(photo.rows))
+}
+
+/// How the shadows of photograph and render agree, where a threshold tells the photograph's.
+fn edges_of_shadows(
+    photo: &Grid,
+    sun_fraction: &Grid,
+    sky: &Sky,
+    pixel_m: f64,
+) -> (Option<Confusion>, Option<Displacement>) {
+    let threshold = edges::threshold(photo, sun_fraction);
+    let confusion = threshold.map(|threshold| edges::confusion(photo, sun_fraction, threshold));
+    let displacement =
+        threshold.map(|threshold| edges::displacement(photo, sun_fraction, threshold, sky.towards_sun, pixel_m));
+    (confusion, displacement)
+}
+
+impl Registering<'_> {
+    /// Renders and registers, in rounds where the pose is fitted: the geometry's camera and the sky follow it.
+    fn run(
+        &self,
+        studio: &mut Studio,
+        geometry: &mut Geometry,
+        sky: &mut Sky,
+        progress: &dyn Progress,
+    ) -> Result<(Registered, Option<PoseFit>), Error> {
+        let rounds = if self.request.fit_pose { POSE_ROUNDS } else { 0 };
+        progress.begin("rendering", 1 + rounds, "images");
+        let mut registered = self.once(studio, geometry)?;
+        let mut fitted_pose = None;
+        for round in 1..=rounds {
+            progress.at(round, 1 + rounds);
+            let corner_px = registered.registration.motion.corner_px(self.photo.columns, self.photo.rows);
+            let Some(pose) = registered.pose.filter(|_| corner_px >= POSE_SETTLED_PX) else { break };
+            geometry.camera = pose.apply(&geometry.camera);
+            fitted_pose = Some(pose.after(fitted_pose));
+            let camera;
+            (camera, *sky) = viewpoint(self.request, self.resolution, geometry, studio.surface())?;
+            studio.restage(&Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: self.samples });
+            registered = self.once(studio, geometry)?;
+        }
+        Ok((registered, fitted_pose))
+    }
+
+    fn once(&self, studio: &mut Studio, geometry: &Geometry) -> Result<Registered, Error> {
+        let planes = studio.whole(self.main)?;
+        let radiance = self.resolution.seen(planes.grid("RADIANCE"));
+        let registration = register_detail(self.photo, &radiance, self.resolution.high_pass_px, self.request.freedom)?;
+        let compared = geometry.camera.coarser(self.resolution.factor())?;
+        let pose = pose::explain(&compared, studio.surface(), &registration);
+        Ok(Registered { planes, radiance, registration, pose })
+    }
 }
 
 fn main_trial(request: &Request) -> Result<Trial, Error> {
@@ -251,27 +276,6 @@ fn samples(request: &Request, resolution: &Resolution) -> usize {
     match &request.geometry {
         GeometrySource::Scenario { scenario, .. } => scenario.camera.samples_per_pixel.isqrt() as usize,
         GeometrySource::File(_) => (FINER * resolution.render_factor() / resolution.factor()).round().max(1.0) as usize,
-    }
-}
-
-impl Resolution {
-    /// A compared pixel over the photograph's.
-    fn factor(&self) -> f64 {
-        self.compared_pixel_m / self.photo_pixel_m
-    }
-
-    /// A rendered pixel over the photograph's: its own where that is affordable, so that both are reduced alike.
-    fn render_factor(&self) -> f64 {
-        (self.factor() / FINER).max(1.0)
-    }
-
-    pub fn reduced(&self, image: Grid) -> Grid {
-        image.reduced(self.compared_px[0], self.compared_px[1])
-    }
-
-    /// Reduced and smoothed to what both can show.
-    pub fn seen(&self, image: Grid) -> Grid {
-        self.reduced(image).blurred(SLOPE_SIGMA * self.posting_m / self.compared_pixel_m)
     }
 }
 

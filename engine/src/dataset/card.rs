@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use super::format::Format;
 use super::manifest::{PreviewScale, Run};
-use super::record::{Facts, PlaneRecord, Record};
+use super::record::{ExposureMetadata, PlaneRecord, Record};
 use crate::ephemeris::known_file;
 
 /// What a card is written from.
@@ -39,7 +39,7 @@ impl Card<'_> {
         sections.into_iter().flatten().chain([scenario]).collect::<Vec<_>>().join("\n")
     }
 
-    fn facts(&self) -> impl Iterator<Item = &Facts> {
+    fn facts(&self) -> impl Iterator<Item = &ExposureMetadata> {
         self.records.iter().map(|record| &record.facts)
     }
 

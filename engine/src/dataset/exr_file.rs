@@ -17,7 +17,7 @@ use exr::prelude::*;
 use serde_json::Value as Json;
 
 use super::error::DatasetError;
-use super::{atomic, exr_blocks};
+use super::{disk, exr_blocks};
 use crate::render;
 
 const ATTRIBUTE: &str = "perilune";
@@ -69,12 +69,12 @@ pub fn encode(path: &Path, image: &render::Image, metadata: &Json) -> std::resul
 
 /// Writes `image` to `path`, whole or not at all.
 pub fn write_exr(path: &Path, image: &render::Image, metadata: &Json) -> std::result::Result<(), DatasetError> {
-    atomic::write(path, &encode(path, image, metadata)?)
+    disk::write(path, &encode(path, image, metadata)?)
 }
 
 /// Reads the first part of an OpenEXR file as 32-bit floats.
 pub fn read_exr(path: &Path) -> std::result::Result<ExrFile, DatasetError> {
-    let bytes = atomic::read(path)?;
+    let bytes = disk::read(path)?;
     decode(&bytes).map_err(|source| DatasetError::DecodeExr { path: path.to_path_buf(), source })
 }
 

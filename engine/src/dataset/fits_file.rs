@@ -12,7 +12,7 @@
 //! # References
 //! FITS Standard 4.0 (IAU FITS Working Group 2018), chapters 3, 4 and 7; long strings: 4.2.1.2.
 
-use super::record::Facts;
+use super::record::ExposureMetadata;
 use crate::render::{Image, Plane};
 
 const BLOCK_BYTES: usize = 2880;
@@ -21,7 +21,7 @@ const CARD_BYTES: usize = 80;
 const TEXT_LETTERS: usize = 67;
 
 /// The bytes of a file with the planes of `image`; the header tells `facts` and the key of the run.
-pub fn encode(image: &Image, facts: &Facts, run_key: &str) -> Vec<u8> {
+pub fn encode(image: &Image, facts: &ExposureMetadata, run_key: &str) -> Vec<u8> {
     let mut bytes = primary(facts, run_key).finish();
     for plane in &image.planes {
         bytes.extend(extension(image, plane).finish());
@@ -31,8 +31,8 @@ pub fn encode(image: &Image, facts: &Facts, run_key: &str) -> Vec<u8> {
     bytes
 }
 
-fn primary(facts: &Facts, run_key: &str) -> Header {
-    let Facts { epoch, body, camera, pose, sun, sensor, software, inputs, .. } = facts;
+fn primary(facts: &ExposureMetadata, run_key: &str) -> Header {
+    let ExposureMetadata { epoch, body, camera, pose, sun, sensor, software, inputs, .. } = facts;
     let mut header = Header::default();
     header.truth("SIMPLE", true);
     header.integers(&[("BITPIX", 8), ("NAXIS", 0)]);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value as Json, json};
 
-use super::atomic;
+use super::disk;
 use super::error::DatasetError;
 use super::exr_file::read_exr;
 use super::png_file;
@@ -16,7 +16,7 @@ pub fn inspect(path: &Path) -> Result<Json, DatasetError> {
     if path.is_dir() {
         return directory(path);
     }
-    let bytes = atomic::read(path)?;
+    let bytes = disk::read(path)?;
     match bytes.as_slice() {
         [0x76, 0x2f, 0x31, 0x01, ..] => exr(path),
         [0x89, b'P', b'N', b'G', ..] => png(path, &bytes),
@@ -98,12 +98,12 @@ fn directory(path: &Path) -> Result<Json, DatasetError> {
     if !manifest_path.is_file() {
         return Err(DatasetError::NoDataset { path: path.to_path_buf() });
     }
-    let bytes = atomic::read(&manifest_path)?;
+    let bytes = disk::read(&manifest_path)?;
     let manifest: super::Manifest =
         serde_json::from_slice(&bytes).map_err(|source| DatasetError::Json { path: manifest_path, source })?;
     let listed = manifest.exposures.iter().flat_map(|entry| &entry.files).chain(&manifest.files);
     let is_changed = |file: &&super::FileRecord| {
-        !atomic::read(&path.join(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
+        !disk::read(&path.join(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
     };
     let changed: Vec<&str> = listed.clone().filter(is_changed).map(|file| file.name.as_str()).collect();
     Ok(json!({

@@ -14,16 +14,16 @@
 //! preview.gif          the previews in order
 //! ```
 //!
-//! Every file is written under another name and renamed, so that no half-written file carries a final name. A record
+//! Every file is written whole or not at all ([`crate::files`]): no half-written file carries a final name. A record
 //! is written after the files it names: an exposure is finished when its record is there, carries the key of the
 //! run, and the files have the hashes that it states. Nothing on disk depends on the time of day, on the number of
 //! threads or on the order in which exposures were finished: same scenario, same bytes.
 
 mod animation;
-pub mod atomic;
 mod card;
 mod coco;
 mod contact_sheet;
+pub mod disk;
 mod error;
 mod exr_blocks;
 mod exr_file;
@@ -41,7 +41,7 @@ mod sequences;
 mod tiff_file;
 mod writer;
 
-pub use atomic::{check_writable, write as write_whole};
+pub use disk::{check_writable, write as write_whole};
 pub use error::DatasetError;
 pub use exr_file::{ExrFile, read_exr, write_exr};
 pub use format::Format;
@@ -50,8 +50,8 @@ pub use landmarks::LandmarkFile;
 pub use manifest::{Input, Manifest, ManifestEntry, PreviewScale, Run, commit};
 pub use preview::White;
 pub use record::{
-    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, Facts, FileRecord, InputRecords, PlaneRecord,
-    PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord, SoftwareRecord,
-    SplitRecord, Statistics, SunRecord, SweepRecord,
+    BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, ExposureMetadata, FileRecord, InputRecords,
+    PlaneRecord, PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord,
+    SoftwareRecord, SplitRecord, Statistics, SunRecord, SweepRecord,
 };
 pub use writer::{Exposure, Orthoimage, Settings, Summary, Writer};

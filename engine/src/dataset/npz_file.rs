@@ -21,7 +21,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::error::DatasetError;
-use super::record::Facts;
+use super::record::ExposureMetadata;
 use crate::render::Image;
 
 /// Header and magic fill a multiple of this.
@@ -30,11 +30,11 @@ const ALIGNMENT: usize = 64;
 const PREFIX_BYTES: usize = 10;
 
 /// The bytes of a file with the planes of `image` and the geometry of `facts`. `path` names it in errors.
-pub fn encode(path: &Path, image: &Image, facts: &Facts) -> Result<Vec<u8>, DatasetError> {
+pub fn encode(path: &Path, image: &Image, facts: &ExposureMetadata) -> Result<Vec<u8>, DatasetError> {
     archive(image, facts).map_err(|source| DatasetError::EncodeNpz { path: path.to_path_buf(), source })
 }
 
-fn archive(image: &Image, facts: &Facts) -> Result<Vec<u8>, zip::result::ZipError> {
+fn archive(image: &Image, facts: &ExposureMetadata) -> Result<Vec<u8>, zip::result::ZipError> {
     let mut file = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)

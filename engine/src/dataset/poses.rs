@@ -29,11 +29,11 @@ pub fn csv(records: &[Record]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::Facts;
+    use crate::dataset::ExposureMetadata;
 
     #[test]
     fn every_line_has_as_many_columns_as_the_header() {
-        let facts = Facts { frame_id: "a/0000".into(), ..Facts::default() };
+        let facts = ExposureMetadata { frame_id: "a/0000".into(), ..ExposureMetadata::default() };
         let record = Record {
             schema_version: String::new(),
             run_key: String::new(),

@@ -16,7 +16,7 @@ pub struct Record {
     /// Hash of all that shapes the run; two exposures with one key belong together.
     pub run_key: String,
     #[serde(flatten)]
-    pub facts: Facts,
+    pub facts: ExposureMetadata,
     pub planes: Vec<PlaneRecord>,
     /// The preview's scale follows from the whole sequence, so it is filled in last.
     pub preview: Option<PreviewRecord>,
@@ -25,7 +25,7 @@ pub struct Record {
 
 /// What is known of an exposure before it is written.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Facts {
+pub struct ExposureMetadata {
     /// `lunar_descent/0007`.
     pub frame_id: String,
     /// Absent: the run has no sweep.

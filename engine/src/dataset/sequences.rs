@@ -15,12 +15,12 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::format::Format;
-use super::record::Facts;
+use super::record::ExposureMetadata;
 use crate::ephemeris::Epoch;
 use crate::ephemeris::ccsds::Message;
 
 /// The files of all sequences in the formats asked for: names and text.
-pub fn files(formats: &[Format], run: &str, frames: &[&Facts]) -> Vec<(String, String)> {
+pub fn files(formats: &[Format], run: &str, frames: &[&ExposureMetadata]) -> Vec<(String, String)> {
     let mut files = Vec::new();
     // The exposures of one point of a sweep are neighbours.
     for frames in frames.chunk_by(|a, b| point(a) == point(b)) {
@@ -51,44 +51,44 @@ pub fn is_one(name: &str) -> bool {
     numbered.is_some_and(|(number, _)| number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-fn point(facts: &Facts) -> usize {
+fn point(facts: &ExposureMetadata) -> usize {
     facts.sweep.as_ref().map_or(0, |sweep| sweep.point)
 }
 
 const AXES: &str = "camera axes: +x right, +y down, +z along the boresight";
 
-fn message<'a>(facts: &'a Facts, object: &'a str) -> Message<'a> {
+fn message<'a>(facts: &'a ExposureMetadata, object: &'a str) -> Message<'a> {
     Message { object, center: &facts.body.name, frame: &facts.body.frame, comment: AXES }
 }
 
-fn epoch(facts: &Facts) -> Epoch {
+fn epoch(facts: &ExposureMetadata) -> Epoch {
     Epoch::from_et_seconds(facts.epoch.tdb_s_past_j2000)
 }
 
-fn oem(frames: &[&Facts], object: &str) -> String {
-    let state = |facts: &&Facts| {
+fn oem(frames: &[&ExposureMetadata], object: &str) -> String {
+    let state = |facts: &&ExposureMetadata| {
         let vector = |values: [f64; 3]| DVec3::from(values);
         (epoch(facts), vector(facts.pose.r_body_fixed_m), vector(facts.pose.v_body_fixed_m_s))
     };
     message(frames[0], object).oem(&frames.iter().map(state).collect::<Vec<_>>())
 }
 
-fn aem(frames: &[&Facts], object: &str) -> String {
-    let attitude = |facts: &&Facts| (epoch(facts), facts.pose.q_wxyz);
+fn aem(frames: &[&ExposureMetadata], object: &str) -> String {
+    let attitude = |facts: &&ExposureMetadata| (epoch(facts), facts.pose.q_wxyz);
     message(frames[0], object).aem(&frames.iter().map(attitude).collect::<Vec<_>>())
 }
 
 /// Where a camera is: its axes as columns, and its place.
-fn body_from_camera(facts: &Facts) -> (DMat3, DVec3) {
+fn body_from_camera(facts: &ExposureMetadata) -> (DMat3, DVec3) {
     let [w, x, y, z] = facts.pose.q_wxyz;
     (DMat3::from_quat(DQuat::from_xyzw(x, y, z, w)).transpose(), DVec3::from(facts.pose.r_body_fixed_m))
 }
 
 /// A line of twelve numbers an exposure: the upper three rows of the transform, row by row.
-pub fn kitti_poses(frames: &[&Facts]) -> String {
+pub fn kitti_poses(frames: &[&ExposureMetadata]) -> String {
     let Some(first) = frames.first() else { return String::new() };
     let (first_axes, first_place) = body_from_camera(first);
-    let line = |facts: &&Facts| {
+    let line = |facts: &&ExposureMetadata| {
         let (axes, place) = body_from_camera(facts);
         let rotation = (first_axes.transpose() * axes).transpose();
         let place = first_axes.transpose() * (place - first_place);
@@ -99,20 +99,20 @@ pub fn kitti_poses(frames: &[&Facts]) -> String {
 }
 
 /// Seconds since the first exposure, a line each.
-pub fn kitti_times(frames: &[&Facts]) -> String {
+pub fn kitti_times(frames: &[&ExposureMetadata]) -> String {
     let Some(first) = frames.first() else { return String::new() };
     frames.iter().map(|facts| joined([facts.epoch.tdb_s_past_j2000 - first.epoch.tdb_s_past_j2000])).collect()
 }
 
 /// The projection matrix of the only camera, as `P0`. Lens distortion has no place in it.
-pub fn kitti_calibration(frames: &[&Facts]) -> String {
+pub fn kitti_calibration(frames: &[&ExposureMetadata]) -> String {
     let Some(first) = frames.first() else { return String::new() };
     let row = |row: &[f64; 3]| row.iter().copied().chain([0.0]).collect::<Vec<_>>();
     format!("P0: {}", joined(first.camera.k.iter().flat_map(row)))
 }
 
 /// A line of time, place and quaternion an exposure.
-pub fn tum(frames: &[&Facts]) -> String {
+pub fn tum(frames: &[&ExposureMetadata]) -> String {
     let mut text = "# timestamp tx ty tz qx qy qz qw; body from camera, TDB seconds past J2000, metres\n".to_owned();
     for facts in frames {
         let [w, x, y, z] = facts.pose.q_wxyz;
@@ -134,9 +134,9 @@ mod tests {
     use crate::dataset::{CameraRecord, EpochRecord, PoseRecord};
 
     /// Two cameras that look along −z; the second is turned by 90° about its boresight and 10 m further along body x.
-    fn frames() -> [Facts; 2] {
+    fn frames() -> [ExposureMetadata; 2] {
         let half = 0.5_f64.sqrt();
-        let facts = |tdb_s_past_j2000, r_body_fixed_m, q_wxyz| Facts {
+        let facts = |tdb_s_past_j2000, r_body_fixed_m, q_wxyz| ExposureMetadata {
             epoch: EpochRecord { tdb_s_past_j2000, ..Default::default() },
             pose: PoseRecord { r_body_fixed_m, q_wxyz, ..Default::default() },
             camera: CameraRecord::opencv([4, 2], 100.0, [2.0, 1.0], [0.0; 5]),
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn kitti_starts_at_the_identity_and_counts_from_it() {
         let frames = frames();
-        let frames: Vec<&Facts> = frames.iter().collect();
+        let frames: Vec<&ExposureMetadata> = frames.iter().collect();
         let poses = kitti_poses(&frames);
         let lines: Vec<Vec<f64>> =
             poses.lines().map(|line| line.split(' ').map(|number| number.parse().unwrap()).collect()).collect();

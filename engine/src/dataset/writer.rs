@@ -1,6 +1,6 @@
 //! Writes a sequence, beside the rendering, and finishes one that was interrupted.
 
-mod desk;
+mod exposure_writer;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,20 +13,20 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::animation;
-use super::atomic;
 use super::card::Card;
 use super::contact_sheet;
+use super::disk;
 use super::error::DatasetError;
 use super::format::Format;
 use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
 use super::png_file;
 use super::poses;
 use super::preview::{self, White};
-use super::record::{Facts, FileRecord, Record, SCHEMA_VERSION};
+use super::record::{ExposureMetadata, FileRecord, Record, SCHEMA_VERSION};
 use super::{coco, sequences};
 use crate::labels::Landmark;
 use crate::render::Image;
-use desk::{Desk, Dn, Kept};
+use exposure_writer::{ExposureWriter, PreviewCache, Thumbnails};
 
 /// Images that wait to be written; each may take some hundred megabytes.
 const QUEUE: usize = 2;
@@ -50,7 +50,7 @@ const SHEET_EXPOSURES: usize = 100;
 pub struct Exposure {
     pub index: usize,
     pub image: Image,
-    pub facts: Facts,
+    pub facts: ExposureMetadata,
     /// `None`: none are asked for.
     pub landmarks: Option<Vec<Landmark>>,
     /// The same planes on a map, where they are asked for and the image shows ground.
@@ -92,7 +92,7 @@ pub struct Summary {
 /// Writes one sequence into one directory.
 #[derive(Debug)]
 pub struct Writer {
-    desk: Desk,
+    output: ExposureWriter,
     run: Run,
     planned: usize,
     settings: Settings,
@@ -114,24 +114,28 @@ pub struct Spent {
 impl Writer {
     /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
     pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
-        atomic::check_writable(directory)?;
-        let (directory, settings_of_desk) = (directory.to_path_buf(), settings.clone());
-        let desk = Desk { directory, key: run.key(), settings: settings_of_desk, kept: Kept::default() };
-        desk.remove_stale()?;
+        disk::check_writable(directory)?;
+        let output = ExposureWriter {
+            directory: directory.to_path_buf(),
+            key: run.key(),
+            settings: settings.clone(),
+            previews: PreviewCache::default(),
+        };
+        output.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let receiver = Arc::new(Mutex::new(receiver));
         let failed = Arc::new(AtomicBool::new(false));
         let thread = |_| {
-            let (desk, receiver, failed) = (desk.clone(), receiver.clone(), failed.clone());
-            std::thread::spawn(move || write_all(&desk, &receiver, &failed))
+            let (output, receiver, failed) = (output.clone(), receiver.clone(), failed.clone());
+            std::thread::spawn(move || write_all(&output, &receiver, &failed))
         };
         let threads = (0..threads()).map(thread).collect();
-        Ok(Self { desk, run, planned, settings, sender: Some(sender), threads, failed, spent: Spent::default() })
+        Ok(Self { output, run, planned, settings, sender: Some(sender), threads, failed, spent: Spent::default() })
     }
 
     /// Whether an exposure of this very run is finished and whole.
     pub fn done(&self, index: usize) -> bool {
-        self.desk.finished(index).is_some_and(|record| record.files.iter().all(|file| self.desk.is_whole(file)))
+        self.output.finished(index).is_some_and(|record| record.files.iter().all(|file| self.output.is_whole(file)))
     }
 
     /// Hands an exposure over; waits while the writing is behind.
@@ -145,19 +149,19 @@ impl Writer {
     pub fn finish(mut self) -> Result<Summary, DatasetError> {
         self.join()?;
         let mut records: Vec<(usize, Record)> =
-            (0..self.planned).filter_map(|index| Some((index, self.desk.finished(index)?))).collect();
+            (0..self.planned).filter_map(|index| Some((index, self.output.finished(index)?))).collect();
         let plain: Vec<Record> = records.iter().map(|(_, record)| record.clone()).collect();
         let scale = preview::scale(&plain, self.settings.white);
-        let mut files = vec![self.desk.write(POSES, poses::csv(&plain).as_bytes())?];
-        let facts: Vec<&Facts> = plain.iter().map(|record| &record.facts).collect();
+        let mut files = vec![self.output.write(POSES, poses::csv(&plain).as_bytes())?];
+        let facts: Vec<&ExposureMetadata> = plain.iter().map(|record| &record.facts).collect();
         for (name, text) in sequences::files(&self.settings.formats, &self.run.name, &facts) {
-            files.push(self.desk.write(&name, text.as_bytes())?);
+            files.push(self.output.write(&name, text.as_bytes())?);
         }
         files.extend(self.annotations(&records)?);
         if let Some(scale) = &scale {
-            let thumbnails: Vec<(usize, Dn)> = records
+            let thumbnails: Vec<(usize, Thumbnails)> = records
                 .par_iter_mut()
-                .map(|(index, record)| Ok((*index, self.desk.preview(*index, record, scale)?)))
+                .map(|(index, record)| Ok((*index, self.output.preview(*index, record, scale)?)))
                 .collect::<Result<_, DatasetError>>()?;
             files.extend(self.overviews(&thumbnails, scale)?);
         }
@@ -169,10 +173,10 @@ impl Writer {
             formats: &self.settings.formats,
             tiff: self.settings.tiff,
         };
-        files.push(self.desk.write(CARD, card.text().as_bytes())?);
+        files.push(self.output.write(CARD, card.text().as_bytes())?);
         self.manifest(&records, scale.clone(), files)?;
         Ok(Summary {
-            directory: self.desk.directory.clone(),
+            directory: self.output.directory.clone(),
             exposures: records.len(),
             preview: scale,
             spent: self.spent,
@@ -187,32 +191,36 @@ impl Writer {
         }
         let mut images = Vec::new();
         for (index, _) in records {
-            if let Some(file) = self.desk.landmarks(*index)? {
-                images.push((*index, self.desk.name(*index, "png"), file));
+            if let Some(file) = self.output.landmarks(*index)? {
+                images.push((*index, self.output.name(*index, "png"), file));
             }
         }
         let mut files = Vec::new();
         if formats.contains(&Format::Coco) {
-            files.push(self.desk.write(coco::FILE, &pretty(&coco::annotations(&self.run.title, &images)))?);
+            files.push(self.output.write(coco::FILE, &pretty(&coco::annotations(&self.run.title, &images)))?);
         }
         if formats.contains(&Format::CraterChallenge) {
-            files.push(self.desk.write(coco::CSV_FILE, coco::challenge_csv(&images).as_bytes())?);
+            files.push(self.output.write(coco::CSV_FILE, coco::challenge_csv(&images).as_bytes())?);
         }
         Ok(files)
     }
 
-    fn overviews(&self, previews: &[(usize, Dn)], scale: &PreviewScale) -> Result<Vec<FileRecord>, DatasetError> {
+    fn overviews(
+        &self,
+        previews: &[(usize, Thumbnails)],
+        scale: &PreviewScale,
+    ) -> Result<Vec<FileRecord>, DatasetError> {
         let step = previews.len().div_ceil(SHEET_EXPOSURES).max(1);
         let shown: Vec<_> = previews.iter().step_by(step).map(|(index, dn)| (*index, dn.sheet.clone())).collect();
         let sheet = contact_sheet::sheet(&shown);
         let comment = format!("{}; shown with gamma 2.2", preview::comment(scale));
         let name = SHEET;
-        let bytes = png_file::encode_8(&self.desk.path(name), [sheet.columns, sheet.rows], &sheet.grey, &comment)?;
-        let mut files = vec![self.desk.write(name, &bytes)?];
+        let bytes = png_file::encode_8(&self.output.path(name), [sheet.columns, sheet.rows], &sheet.grey, &comment)?;
+        let mut files = vec![self.output.write(name, &bytes)?];
         if self.settings.animation {
             let name = ANIMATION;
             let frames: Vec<_> = previews.iter().map(|(index, dn)| (*index, dn.frame.clone())).collect();
-            files.push(self.desk.write(name, &animation::encode(&self.desk.path(name), &frames)?)?);
+            files.push(self.output.write(name, &animation::encode(&self.output.path(name), &frames)?)?);
         }
         Ok(files)
     }
@@ -224,7 +232,7 @@ impl Writer {
         files: Vec<FileRecord>,
     ) -> Result<(), DatasetError> {
         let entry = |(index, record): &(usize, Record)| {
-            let json = FileRecord::of(&self.desk.name(*index, "json"), &pretty(record));
+            let json = FileRecord::of(&self.output.name(*index, "json"), &pretty(record));
             let preview = record.preview.iter().map(|preview| preview.file.clone());
             ManifestEntry {
                 index: *index,
@@ -236,14 +244,14 @@ impl Writer {
         };
         let manifest = Manifest {
             schema_version: SCHEMA_VERSION.into(),
-            run_key: self.desk.key.clone(),
+            run_key: self.output.key.clone(),
             run: self.run.clone(),
             exposures_planned: self.planned,
             preview,
             exposures: records.iter().map(entry).collect(),
             files,
         };
-        self.desk.write(MANIFEST, &pretty(&manifest)).map(|_| ())
+        self.output.write(MANIFEST, &pretty(&manifest)).map(|_| ())
     }
 
     /// Lets the threads end and asks how it went; a second call has nothing to tell.
@@ -259,7 +267,7 @@ impl Writer {
     }
 
     fn ended(&self) -> DatasetError {
-        DatasetError::WriterEnded { path: self.desk.directory.clone() }
+        DatasetError::WriterEnded { path: self.output.directory.clone() }
     }
 }
 
@@ -270,12 +278,16 @@ fn threads() -> usize {
 }
 
 /// Writes what comes until the end, or until some thread has failed.
-fn write_all(desk: &Desk, exposures: &Mutex<Receiver<Exposure>>, failed: &AtomicBool) -> Result<Spent, DatasetError> {
+fn write_all(
+    output: &ExposureWriter,
+    exposures: &Mutex<Receiver<Exposure>>,
+    failed: &AtomicBool,
+) -> Result<Spent, DatasetError> {
     let mut spent = Spent::default();
     while !failed.load(Ordering::Relaxed) {
         let next = exposures.lock().unwrap_or_else(PoisonError::into_inner).recv();
         let Ok(exposure) = next else { break };
-        desk.write_exposure(exposure, &mut spent).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+        output.write_exposure(exposure, &mut spent).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
     }
     Ok(spent)
 }

@@ -37,6 +37,7 @@ use super::EphemerisError;
 use super::daf::{ChebyshevSegment, write_spk};
 use super::epoch::utc_text;
 use super::shipped::DEFAULT_KERNELS;
+use crate::files;
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 
 /// Radii, rotations and masses, an excerpt of `pck00011.tpc` and `gm_de440.tpc`.
@@ -113,7 +114,7 @@ pub fn make_default_kernels(folder: &Path, from: Epoch, until: Epoch) -> Result<
     let mut paths = Vec::new();
     for (name, bytes) in DEFAULT_KERNELS.into_iter().zip([spk.as_slice(), CONSTANTS.as_bytes()]) {
         let path = folder.join(name);
-        std::fs::write(&path, bytes).map_err(|source| EphemerisError::Unwritable { path: path.clone(), source })?;
+        files::write(&path, bytes).map_err(|source| EphemerisError::Unwritable { path: path.clone(), source })?;
         paths.push(path);
     }
     Ok(paths)

@@ -49,6 +49,12 @@ impl Body {
         Self { name: "moon".into(), naif_id: 301, equatorial_radius_m: radius_m, polar_radius_m: radius_m }
     }
 
+    /// Mars' spheroid of the IAU Working Group 2015 (Archinal et al. 2018, doi:10.1007/s10569-017-9805-5), as in
+    /// `pck00011.tpc`.
+    pub fn mars() -> Self {
+        Self { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
+    }
+
     /// Whether both radii are the same.
     pub fn is_sphere(&self) -> bool {
         self.equatorial_radius_m == self.polar_radius_m
@@ -152,13 +158,9 @@ pub fn distance_to_spheroid_m(
 mod tests {
     use super::*;
 
-    fn mars() -> Body {
-        Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
-    }
-
     #[test]
     fn geodetic_round_trips_on_sphere_and_spheroid() {
-        for body in [Body::moon(), mars()] {
+        for body in [Body::moon(), Body::mars()] {
             for latitude_deg in [-90.0, -89.9, -45.0, 0.0, 0.1, 60.0, 90.0] {
                 for height_m in [-8000.0, 0.0, 21_000.0, 5e6] {
                     let there = Geodetic::from_degrees(latitude_deg, 137.4, height_m);
@@ -173,7 +175,7 @@ mod tests {
     /// Planetographic and planetocentric latitude differ by 0.338 degrees on Mars at 45.
     #[test]
     fn geodetic_latitude_is_not_planetocentric_on_mars() {
-        let p = mars().position_from_geodetic(Geodetic::from_degrees(45.0, 0.0, 0.0)).vector_m();
+        let p = Body::mars().position_from_geodetic(Geodetic::from_degrees(45.0, 0.0, 0.0)).vector_m();
         let planetocentric_deg = p.z.atan2(p.x).to_degrees();
         assert!((45.0 - planetocentric_deg - 0.338).abs() < 5e-4, "{planetocentric_deg}");
     }

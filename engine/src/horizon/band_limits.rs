@@ -14,7 +14,7 @@ pub struct BandLimits {
 
 impl BandLimits {
     pub fn of(band: &ElevationBand, map: &Gnomonic, level: &Level, major: Major) -> Self {
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         let (width, height) = match major {
             Major::Row => (columns, rows),
             Major::Column => (rows, columns),

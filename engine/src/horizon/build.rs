@@ -30,6 +30,7 @@ use super::resources::Resources;
 use super::search::Search;
 use super::store;
 use super::texel_store::TexelStore;
+use crate::files;
 use crate::gpu::Gpu;
 
 /// How much work a kill may cost.
@@ -105,8 +106,9 @@ impl<'a> Builder<'a> {
         let Resources { memory, device } = resources.into();
         if let Some(directory) = path.parent() {
             fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
+            files::remove_stale(directory).map_err(|source| Error::read(directory, source))?;
         }
-        let checkpoint = Checkpoint::new(path.with_extension("partial"), request.key());
+        let checkpoint = Checkpoint::new(path.with_extension("checkpoint"), request.key());
 
         let settings = &request.settings;
         let along = |major: Major| (0..settings.azimuths).filter(move |i| Major::of(settings.direction(*i)) == major);
@@ -114,7 +116,7 @@ impl<'a> Builder<'a> {
         let order = along(Major::Row).chain(along(Major::Column)).collect();
 
         let nodes = request.nodes();
-        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let [columns, rows] = nodes.seen_size();
         let allowance = memory.allowance(request);
         let accumulator = if allowance.sums_fit { Accumulator::new } else { Accumulator::on_disk };
         let sums = accumulator(request.encoding, columns, rows, settings.azimuths);
@@ -185,7 +187,7 @@ impl<'a> Builder<'a> {
         let errors = measure(face, *level, settings, &self.state.sample, &map);
         let (texels, block) = match self.state.sums.in_memory() {
             true => (TexelStore::Memory(map), calibration::BLOCK),
-            false => (TexelStore::on_disk(map, self.path.with_extension("texels"))?, self.block),
+            false => (TexelStore::on_disk(map, &self.path.with_extension("texels"))?, self.block),
         };
         let swept = calibration::Swept {
             request: &self.request,

@@ -1,15 +1,14 @@
 //! What an interrupted build needs to go on, and the sums of one that is short of memory.
 //!
 //! The file holds the tile's key, the number of azimuths done, the sampled profiles and the sums, and a SHA-256 over all of
-//! it. Whatever does not match is ignored: the build starts afresh. It is written beside and renamed, so that a kill leaves
-//! a whole one.
+//! it. Whatever does not match is ignored: the build starts afresh. A kill leaves a whole one ([`crate::files`]).
 //!
 //! A build whose sums do not fit into its memory adds planes by writing the file anew, a piece of the sums at a time. Numbers are
 //! added in the same order either way: to the same bytes.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use bytemuck::{cast_slice, cast_slice_mut};
@@ -22,6 +21,7 @@ use super::fit::Accumulator;
 use super::fit::sums::{Stored, Sums};
 use super::key::Key;
 use super::measure::Sample;
+use crate::files::NewFile;
 
 /// Numbers that are in memory at a time while the file is written anew.
 const PIECE: usize = 1 << 18;
@@ -44,7 +44,7 @@ pub struct Checkpoint {
 
 /// Writes to a file and hashes what it writes.
 struct Hashed {
-    file: BufWriter<File>,
+    file: BufWriter<NewFile>,
     hash: Sha256,
 }
 
@@ -63,17 +63,13 @@ impl Checkpoint {
     /// Writes the state with planes added to its sums. Sums on disk are in the new file then; those in memory stay as they are
     /// and no planes may be given.
     pub fn save(&self, state: &mut State, planes: &[ElevationPlane], major: Major) -> Result<(), Error> {
-        let writing = self.path.with_extension("partial.writing");
-        let saved = self.write(&writing, state, planes, major).and_then(|()| fs::rename(&writing, &self.path));
-        saved.and_then(|()| self.refer(state)).map_err(|source| {
-            // The first error is the one to report.
-            let _ = fs::remove_file(&writing);
-            Error::write(&self.path, source)
-        })
+        let saved = self.write(state, planes, major);
+        saved.map(|file| self.refer(state, file)).map_err(|source| Error::write(&self.path, source))
     }
 
-    fn write(&self, path: &Path, state: &State, planes: &[ElevationPlane], major: Major) -> io::Result<()> {
-        let mut to = Hashed { file: BufWriter::new(File::create(path)?), hash: Sha256::new() };
+    /// The file written, which stays open where another process replaces it.
+    fn write(&self, state: &State, planes: &[ElevationPlane], major: Major) -> io::Result<File> {
+        let mut to = Hashed { file: BufWriter::new(NewFile::create(&self.path)?), hash: Sha256::new() };
         to.write(self.key.as_str().as_bytes())?;
         to.write(&(state.done as u64).to_le_bytes())?;
         to.write(cast_slice(&state.sample.elevations_rad))?;
@@ -91,7 +87,7 @@ impl Checkpoint {
         }
         let Hashed { mut file, hash } = to;
         file.write_all(&hash.finalize())?;
-        file.flush()
+        file.into_inner().map_err(io::IntoInnerError::into_error)?.commit()
     }
 
     /// Bytes before the sums.
@@ -99,10 +95,10 @@ impl Checkpoint {
         self.key.as_str().len() + 8 + 4 * state.sample.elevations_rad.len()
     }
 
-    /// Lets sums on disk be those of the file.
-    fn refer(&self, state: &mut State) -> io::Result<()> {
+    /// Lets sums on disk be those of a file.
+    fn refer(&self, state: &mut State, file: File) {
         let mut start = self.head(state) as u64;
-        let opened = Arc::new(Mutex::new(File::open(&self.path)?));
+        let opened = Arc::new(Mutex::new(file));
         for group in &mut state.sums.groups {
             let length = group.sums.length();
             if let Sums::Disk { file, .. } = &mut group.sums {
@@ -110,7 +106,6 @@ impl Checkpoint {
             }
             start += 4 * length as u64;
         }
-        Ok(())
     }
 
     /// Puts a state where a saved one left off; leaves it as it is where there is none that fits.
@@ -136,7 +131,8 @@ impl Checkpoint {
                 file.read_exact(cast_slice_mut(sums))?;
             }
         }
-        self.refer(state)
+        self.refer(state, file.into_inner());
+        Ok(())
     }
 
     /// Whether there is a file of this tile, of the right size and with the right digest.

@@ -24,7 +24,7 @@ pub struct Sample {
 impl Sample {
     /// About `count` pixels spread evenly over the seen part of a level, gaps left out.
     pub fn of(level: &Level, count: usize, azimuths: usize) -> Self {
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         // The additive recurrence of the plastic number fills a square evenly (Roberts 2018).
         let plastic = 1.324_717_957_244_746;
         let spread = |i: usize| {

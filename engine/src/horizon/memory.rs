@@ -67,7 +67,7 @@ impl Memory {
     pub fn allowance(self, request: &Request) -> Allowance {
         let threads = rayon::current_num_threads();
         let nodes = request.nodes();
-        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let [columns, rows] = nodes.seen_size();
         let plane = 4 * columns.next_multiple_of(32) * rows.next_multiple_of(32);
         let all = |bytes: usize| request.face.levels.iter().map(|level| bytes * level.heights_m.len()).sum::<usize>();
         // Heights and gaps; then heights and twists as they are swept.

@@ -9,7 +9,7 @@
 //! interrupted run goes on with the planes that it has, and scenarios under a similar Sun share theirs.
 
 use std::fs::{self, File};
-use std::io::{BufReader, BufWriter, Write as _};
+use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 
 use bytemuck::cast_slice;
@@ -26,6 +26,7 @@ use super::pack::Encoding;
 use super::request::Request;
 use super::settings::Settings;
 use super::sweep::Sweep;
+use crate::files::NewFile;
 use crate::geometry::Body;
 use crate::terrain::Face;
 
@@ -144,17 +145,6 @@ pub fn path_for(directory: &Path, key: &str) -> PathBuf {
 pub fn write(directory: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
     let path = path_for(directory, key);
-    let partial = path.with_extension("tif.writing");
-    let outcome = write_page(&partial, key, azimuth_rad, plane)
-        .and_then(|()| fs::rename(&partial, &path).map_err(|source| Error::write(&path, source)));
-    if outcome.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&partial);
-    }
-    outcome
-}
-
-fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> Result<(), Error> {
     let header = PlaneHeader {
         format: FORMAT.into(),
         key: key.into(),
@@ -164,7 +154,7 @@ fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> 
         sha256: digest(&plane.values),
     };
     let description = serde_json::to_string(&header).expect("a header is plain data");
-    let mut file = BufWriter::new(File::create(path).map_err(|source| Error::write(path, source))?);
+    let mut file = BufWriter::new(NewFile::create(&path).map_err(|source| Error::write(&path, source))?);
     let encoded = (|| {
         let mut encoder = TiffEncoder::new(&mut file)?.with_compression(Compression::Deflate(DeflateLevel::Fast));
         let mut page = encoder.new_image::<Gray16>(plane.columns as u32, plane.rows as u32)?;
@@ -173,10 +163,11 @@ fn write_page(path: &Path, key: &str, azimuth_rad: f64, plane: &StoredPlane) -> 
         page.write_data(&top_down)
     })();
     encoded.map_err(|source| match source {
-        tiff::TiffError::IoError(source) => Error::write(path, source),
-        source => Error::Encode { path: path.into(), source },
+        tiff::TiffError::IoError(source) => Error::write(&path, source),
+        source => Error::Encode { path: path.clone(), source },
     })?;
-    file.flush().and_then(|()| file.get_ref().sync_all()).map_err(|source| Error::write(path, source))
+    let file = file.into_inner().map_err(|error| Error::write(&path, error.into_error()))?;
+    file.commit().map(|_| ()).map_err(|source| Error::write(&path, source))
 }
 
 /// Reads the plane of a key of a level with so many seen nodes.

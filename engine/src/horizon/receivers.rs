@@ -19,7 +19,7 @@ pub struct Receivers {
 
 impl Receivers {
     pub(super) fn new(face: &Face, level: &Level, major: Major, datum_m: f64, settings: &Settings) -> Self {
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         let (majors, minors) = match major {
             Major::Row => (rows, columns),
             Major::Column => (columns, rows),

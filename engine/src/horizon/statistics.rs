@@ -3,6 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::statistics::Errors;
+
 /// Quantiles of absolute errors over a sample, in radians.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorStatistics {
@@ -24,18 +26,11 @@ impl ErrorStatistics {
     /// Statistics of signed errors; zeros for an empty sample.
     pub fn of(errors_rad: impl IntoIterator<Item = f64>) -> Self {
         let mut sizes_rad: Vec<f64> = errors_rad.into_iter().map(f64::abs).collect();
+        // Squares are added from the smallest on, whatever the order of the sample.
         sizes_rad.sort_by(f64::total_cmp);
-        let Some(last) = sizes_rad.len().checked_sub(1) else { return Self::default() };
-        let quantile = |fraction: f64| short(sizes_rad[(last as f64 * fraction).round() as usize]);
-        let mean_square = sizes_rad.iter().map(|e| e * e).sum::<f64>() / sizes_rad.len() as f64;
-        Self {
-            samples: sizes_rad.len(),
-            rms_rad: short(mean_square.sqrt()),
-            p50_rad: quantile(0.50),
-            p95_rad: quantile(0.95),
-            p99_rad: quantile(0.99),
-            max_rad: short(sizes_rad[last]),
-        }
+        let Errors { count, rms, p50, p95, p99, max, .. } = Errors::of(sizes_rad);
+        let [rms_rad, p50_rad, p95_rad, p99_rad, max_rad] = [rms, p50, p95, p99, max].map(short);
+        Self { samples: count, rms_rad, p50_rad, p95_rad, p99_rad, max_rad }
     }
 }
 

@@ -4,12 +4,12 @@
 //! decoder needs. The specification of the file, from which `tests/vectors/decode.py` was written, stands below.
 //!
 //! A tile is found by its [`Key`]: the SHA-256 of the heights, the map, the settings, the encoding and the format
-//! version. Files are written under another name and renamed, so that a tile is whole or absent.
+//! version. A tile is whole or absent ([`crate::files`]).
 //!
 #![doc = include_str!("FORMAT.md")]
 
 use std::fs::{self, File};
-use std::io::{BufReader, BufWriter, Write as _};
+use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 
 use tiff::decoder::{Decoder, Limits};
@@ -22,6 +22,7 @@ use super::header::{FORMAT, Header};
 use super::key::{FORMAT_VERSION, Key};
 use super::pack::HorizonMap;
 use super::pages::{self, GDAL_METADATA, Page};
+use crate::files::NewFile;
 
 /// Where the tile of a key lies in a directory.
 pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
@@ -33,27 +34,16 @@ pub fn write(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Error
     if let Some(directory) = path.parent() {
         fs::create_dir_all(directory).map_err(|source| Error::write(directory, source))?;
     }
-    let partial = path.with_extension("tif.writing");
-    let outcome = write_pages(&partial, header, map);
-    let outcome = outcome.and_then(|()| fs::rename(&partial, path).map_err(|source| Error::write(path, source)));
-    if outcome.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&partial);
-    }
-    outcome
-}
-
-fn write_pages(path: &Path, header: &Header, map: &HorizonMap) -> Result<(), Error> {
-    let file = File::create(path).map_err(|source| Error::write(path, source))?;
-    let mut file = BufWriter::new(file);
+    let mut file = BufWriter::new(NewFile::create(path).map_err(|source| Error::write(path, source))?);
     encode(&mut file, header, map).map_err(|source| match source {
         tiff::TiffError::IoError(source) => Error::write(path, source),
         source => Error::Encode { path: path.into(), source },
     })?;
-    file.flush().and_then(|()| file.get_ref().sync_all()).map_err(|source| Error::write(path, source))
+    let file = file.into_inner().map_err(|error| Error::write(path, error.into_error()))?;
+    file.commit().map(|_| ()).map_err(|source| Error::write(path, source))
 }
 
-fn encode(file: &mut BufWriter<File>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
+fn encode(file: &mut BufWriter<NewFile>, header: &Header, map: &HorizonMap) -> tiff::TiffResult<()> {
     // The last 2 % of a water-filled texel's codes would take as long as all else.
     let effort = if map.encoding.gain_bits() > 0 { DeflateLevel::Balanced } else { DeflateLevel::Best };
     let mut file = TiffEncoder::new(file)?.with_compression(Compression::Deflate(effort));

@@ -4,16 +4,17 @@
 //! decodes to the same bytes in between.
 
 use std::borrow::Cow;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bytemuck::{cast_slice, cast_slice_mut};
 
 use super::bound::Bounds;
 use super::error::Error;
 use super::pack::{HorizonMap, Texels};
+use crate::files::NewFile;
 
 /// Pixels of the coarsest texel's side.
 const COARSEST: usize = 8;
@@ -27,7 +28,8 @@ pub enum TexelStore {
     /// A map without texels, and the file that has them, level by level.
     Disk {
         map: HorizonMap,
-        path: PathBuf,
+        /// Never committed: it goes with the store, or after a kill as all temporary files go.
+        file: NewFile,
     },
 }
 
@@ -42,18 +44,18 @@ pub struct Strip<'a> {
 }
 
 impl TexelStore {
-    /// Puts a map's texels into a new file.
-    pub fn on_disk(mut map: HorizonMap, path: PathBuf) -> Result<Self, Error> {
-        let written = || -> io::Result<()> {
-            let mut file = BufWriter::new(File::create(&path)?);
+    /// Puts a map's texels into a temporary file beside `path`.
+    pub fn on_disk(mut map: HorizonMap, path: &Path) -> Result<Self, Error> {
+        let written = || -> io::Result<NewFile> {
+            let mut file = BufWriter::new(NewFile::create(path)?);
             for level in &map.levels {
                 file.write_all(cast_slice(&level.words))?;
             }
-            file.flush()
+            file.into_inner().map_err(io::IntoInnerError::into_error)
         };
-        written().map_err(|source| Error::write(&path, source))?;
+        let file = written().map_err(|source| Error::write(path, source))?;
         map.levels.iter_mut().for_each(|level| level.words = Vec::new());
-        Ok(Self::Disk { map, path })
+        Ok(Self::Disk { map, file })
     }
 
     /// The map, in memory or without its texels.
@@ -73,7 +75,8 @@ impl TexelStore {
     fn strip(&self, rows: Range<usize>) -> Result<Strip<'_>, Error> {
         match self {
             Self::Memory(map) => Ok(Strip { rows, map: Cow::Borrowed(map), first: 0 }),
-            Self::Disk { map, path } => {
+            Self::Disk { map, file } => {
+                let path = file.temporary();
                 let wide = rows.start.saturating_sub(COARSEST)..(rows.end + COARSEST).min(map.rows);
                 let cut = part(map, path, &wide).map_err(|source| Error::read(path, source))?;
                 Ok(Strip { rows, first: wide.start, map: Cow::Owned(cut) })
@@ -85,10 +88,9 @@ impl TexelStore {
     pub fn take(self) -> Result<HorizonMap, Error> {
         match self {
             Self::Memory(map) => Ok(map),
-            Self::Disk { map, path } => {
-                let whole = part(&map, &path, &(0..map.rows)).map_err(|source| Error::read(&path, source))?;
-                // Nothing is lost if it stays.
-                let _ = fs::remove_file(&path);
+            Self::Disk { map, file } => {
+                let path = file.temporary();
+                let whole = part(&map, path, &(0..map.rows)).map_err(|source| Error::read(path, source))?;
                 Ok(HorizonMap { levels: whole.levels, ..map })
             }
         }
@@ -127,7 +129,7 @@ mod tests {
         let directions = [DVec2::Y, DVec2::from_angle(0.4)];
         for encoding in [Encoding::Fm16, Encoding::F8, Encoding::Raw12, Encoding::W21] {
             let map = noise(encoding, 21, 3 * STRIP + 5);
-            let store = TexelStore::on_disk(map.clone(), folder.path().join("texels")).unwrap();
+            let store = TexelStore::on_disk(map.clone(), &folder.path().join("texels")).unwrap();
             let whole = Decoder::new(&map, &directions);
             let mut next = 0;
             for strip in store.strips().map(Result::unwrap) {

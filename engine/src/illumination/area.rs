@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::blocks::Blocks;
 use super::maps::Maps;
+use super::series::Series;
 use crate::geometry::{Body, Geodetic};
 use crate::terrain::{Gnomonic, Level};
 
@@ -16,20 +17,9 @@ pub enum Area {
     Polygon(Vec<Vec<Geodetic>>),
 }
 
-/// The light of an area, step by step, each the mean over its nodes.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Series {
-    /// Share of the area that is lit.
-    pub lit_share: Vec<f64>,
-    /// Share of the Sun's light that is seen.
-    pub disc_share: Vec<f64>,
-    /// Share of the area that sees the Earth's centre.
-    pub earth_share: Vec<f64>,
-}
-
 /// Smallest, mean and largest value over an area's nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spread {
+pub struct MinMeanMax {
     pub least: f64,
     pub mean: f64,
     pub most: f64,
@@ -39,11 +29,11 @@ pub struct Spread {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AreaSummary {
     pub nodes: usize,
-    pub lit_share: Spread,
-    pub disc_share: Spread,
+    pub lit_share: MinMeanMax,
+    pub disc_share: MinMeanMax,
     /// Of each node by itself.
-    pub longest_night_h: Spread,
-    pub earth_share: Spread,
+    pub longest_night_h: MinMeanMax,
+    pub earth_share: MinMeanMax,
     /// Longest time that nothing of the area is lit.
     pub longest_dark_h: f64,
     /// Share of the steps at which some of the area is lit.
@@ -91,7 +81,7 @@ fn encloses(ring: &[DVec2], at: DVec2) -> bool {
 impl AreaSummary {
     /// Of an area's nodes and series, with steps of `step_h` hours.
     pub fn of(maps: &Maps, counts: &[bool], series: &Series, step_h: f64) -> Self {
-        let spread = |plane: &[f32]| Spread::of(plane, counts);
+        let spread = |plane: &[f32]| MinMeanMax::of(plane, counts);
         let steps = series.lit_share.len() as f64;
         let dark = series.lit_share.split(|share| *share > 0.0).map(<[f64]>::len).max().unwrap_or(0);
         Self {
@@ -106,7 +96,7 @@ impl AreaSummary {
     }
 }
 
-impl Spread {
+impl MinMeanMax {
     /// Of the values that count and are known.
     pub fn of(plane: &[f32], counts: &[bool]) -> Self {
         let known = || plane.iter().zip(counts).filter(|(value, counts)| **counts && value.is_finite());

@@ -16,7 +16,8 @@ pub struct Blocks {
 
 impl Blocks {
     pub fn of(level: &Level) -> Self {
-        Self { columns: level.columns - 2 * level.margin, rows: level.rows - 2 * level.margin }
+        let [columns, rows] = level.seen_size();
+        Self { columns, rows }
     }
 
     pub fn nodes(&self) -> usize {

@@ -7,23 +7,15 @@ use super::maps::{Maps, Study};
 use super::place::{Place, Summary};
 use crate::geometry::Body;
 use crate::horizon::trace::Tracer;
+use crate::statistics::Errors;
 
-/// Errors of mapped shares at traced nodes.
+/// Errors of mapped shares at traced nodes: mapped less traced.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Check {
     pub nodes: usize,
     pub lit_share: Errors,
     pub disc_share: Errors,
     pub earth_share: Errors,
-}
-
-/// Of mapped values less traced ones.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Errors {
-    pub mean: f64,
-    pub rms: f64,
-    /// Largest size.
-    pub largest: f64,
 }
 
 /// The light of traced nodes.
@@ -67,17 +59,6 @@ impl Traced {
             lit_share: of(&maps.lit_share, &|light| light.lit_share),
             disc_share: of(&maps.disc_share, &|light| light.disc_share),
             earth_share: of(&maps.earth_share, &|light| light.earth_share),
-        }
-    }
-}
-
-impl Errors {
-    pub fn of(errors: impl Iterator<Item = f64> + Clone) -> Self {
-        let count = errors.clone().count().max(1) as f64;
-        Self {
-            mean: errors.clone().sum::<f64>() / count,
-            rms: (errors.clone().map(|error| error * error).sum::<f64>() / count).sqrt(),
-            largest: errors.fold(0.0, |largest, error| largest.max(error.abs())),
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::maps::Maps;
 use crate::horizon::georeference::proj4;
-use crate::raster::{self, Band, GeoTiff};
+use crate::raster::{self, GeoTiff, GeoTiffBand};
 use crate::terrain::{Gnomonic, Level};
 
 impl Maps {
@@ -20,7 +20,7 @@ impl Maps {
             ("earth_share", "1", &self.earth_share),
         ];
         let values = planes.map(|(.., plane)| self.rows_down(plane));
-        let bands = planes.iter().zip(&values).map(|((name, unit, _), values)| Band { name, unit, values });
+        let bands = planes.iter().zip(&values).map(|((name, unit, _), values)| GeoTiffBand { name, unit, values });
         let (crs, geotransform) = georeference(map, level, self.rows);
         let (columns, rows) = (self.columns, self.rows);
         GeoTiff { columns, rows, bands: bands.collect(), crs: &crs, geotransform }.write(path)

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::blocks::{BLOCK, Blocks, LANES};
 use super::lit::DiscShare;
-use super::maps::Totals;
+use super::series::Totals;
 use super::skylines::Skylines;
 use super::track::Seen;
 use crate::horizon::wide::wide;

@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::area::Series;
 use super::blocks::Blocks;
 use super::kernel::{Sums, Task};
 use super::lit::{DiscShare, Lit};
+use super::series::{Series, Totals};
 use super::skylines::Skylines;
 use super::track::{Seen, Track};
 use crate::photometry::SolarDisk;
@@ -124,26 +124,4 @@ impl Study<'_> {
 
 fn in_map(map: &Gnomonic, seen: &[Seen]) -> Vec<Seen> {
     seen.iter().map(|seen| Seen { towards: map.map_from_body.turn(seen.towards), ..*seen }).collect()
-}
-
-/// Sums over an area's nodes, step by step: lit, share of the disc, Earth in sight.
-#[derive(Debug, Clone)]
-pub struct Totals(pub [Vec<f64>; 3]);
-
-impl Totals {
-    fn new(steps: usize) -> Self {
-        Self([(); 3].map(|()| vec![0.0; steps]))
-    }
-
-    /// Means of the totals of all strips.
-    fn series<'a>(strips: impl Iterator<Item = &'a Self>, steps: usize, count: f64) -> Series {
-        let mut all = Self::new(steps);
-        for strip in strips {
-            for (sums, more) in all.0.iter_mut().zip(&strip.0) {
-                sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-            }
-        }
-        let [lit_share, disc_share, earth_share] = all.0.map(|sums| sums.iter().map(|sum| sum / count).collect());
-        Series { lit_share, disc_share, earth_share }
-    }
 }

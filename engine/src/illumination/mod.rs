@@ -30,14 +30,16 @@ pub mod lit;
 pub mod maps;
 pub mod place;
 pub mod report;
+mod series;
 pub mod skylines;
 pub mod track;
 
-pub use area::{Area, AreaSummary, Series};
+pub use area::{Area, AreaSummary};
 pub use best::best;
 pub use check::{Check, Traced};
 pub use lit::{DiscShare, Lit};
 pub use maps::{Maps, Study};
 pub use place::Place;
+pub use series::Series;
 pub use skylines::{Skylines, Swept};
 pub use track::{Seen, Track};

@@ -16,7 +16,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::Grid;
-use super::statistics::quantile;
+use crate::statistics::quantile;
 
 /// Shadow and light, pixel by pixel, as shares of all.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

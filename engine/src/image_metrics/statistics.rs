@@ -40,15 +40,6 @@ pub fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     ((values.map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt(), mean)
 }
 
-/// The value below which a share of all lies; NaN of nothing.
-pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let rank = ((values.len() - 1) as f64 * share).round() as usize;
-    *values.select_nth_unstable_by(rank, f64::total_cmp).1
-}
-
 /// Gaussian elimination with row pivoting; `None` where the matrix is singular.
 pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     let largest = matrix.iter().flatten().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
@@ -96,11 +87,5 @@ mod tests {
         let solution = solve([[0.0, 2.0, 1.0], [1.0, 0.0, 0.0], [3.0, 0.0, 1.0]], [5.0, 1.0, 4.0]).unwrap();
         assert!(solution.iter().zip([1.0, 2.0, 1.0]).all(|(got, expected)| (got - expected).abs() < 1e-14));
         assert_eq!(solve([[1.0, 2.0], [2.0, 4.0]], [1.0, 2.0]), None);
-    }
-
-    #[test]
-    fn quantiles_are_values() {
-        assert_eq!(quantile(vec![4.0, 1.0, 3.0, 2.0, 5.0], 0.5), 3.0);
-        assert!(quantile(vec![], 0.5).is_nan());
     }
 }

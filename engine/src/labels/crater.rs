@@ -39,7 +39,8 @@ pub enum Origin {
     /// All of the terrain is made up, and it with it.
     Synthetic,
     /// Made up below the posting of a measured terrain.
-    Invented,
+    #[serde(rename = "invented")]
+    SyntheticDetail,
 }
 
 /// The craters of several lists, the first list's before the others', without those that an earlier list holds.

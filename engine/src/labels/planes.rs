@@ -1,6 +1,6 @@
 //! Labels as planes of an image.
 
-use super::{Flow, Hazards, Limits, invented_height_m, shadow_change};
+use super::{Flow, Hazards, Limits, shadow_change, synthetic_detail_height_m};
 use crate::render::planes::Radiometry;
 use crate::render::{Plane, Quantity, Samples, Scene, View};
 use crate::shadow::Shadow;
@@ -17,7 +17,7 @@ pub struct Sequence<'a> {
     pub shadow: Option<&'a dyn Shadow>,
     pub limits: &'a Limits,
     /// How many of the finest levels are made up.
-    pub invented_levels: usize,
+    pub synthetic_levels: usize,
 }
 
 /// Whether any of these labels asks which ground the Sun lights.
@@ -52,7 +52,7 @@ pub fn planes(scene: &Scene, view: &View, samples: &Samples, sequence: &Sequence
         Q::HazardSunlit => vec![hazards.sunlit_share.clone()],
         Q::Hazard => vec![hazards.hazard.clone()],
         Q::InventedHeight => {
-            let height_m = |hit: &Hit| invented_height_m(&scene.surface, sequence.invented_levels, hit);
+            let height_m = |hit: &Hit| synthetic_detail_height_m(&scene.surface, sequence.synthetic_levels, hit);
             vec![samples.centres.iter().map(|hit| hit.as_ref().map_or(f64::NAN, height_m) as f32).collect()]
         }
         _ => unreachable!("{quantity:?} is no label"),

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::shot::Shot;
 use super::{Exposure, Prepared};
-use crate::camera::{Camera as Optics, Correction, Pose, Shutter, Spread, Vignetting};
+use crate::camera::{Camera as Optics, Correction, Pose, PsfComponent, Shutter, Vignetting};
 use crate::dataset::{CameraEffects, CameraRecord, DetectorRecord, RowPose, SensorRecord};
 use crate::geometry::Direction;
 use crate::render::Scene;
@@ -81,10 +81,10 @@ fn effects(
     exposure: &Exposure,
 ) -> Option<CameraEffects> {
     let camera = &scenario.camera;
-    let spread = |spread: &Spread| match spread {
-        Spread::Gaussian { sigma_px } => format!("Gaussian, sigma {sigma_px} px"),
-        Spread::Airy { cutoff_px } => format!("Airy, wavelength times f-number {cutoff_px:.6} px"),
-        Spread::Disc { diameter_px } => format!("defocus, disc of {diameter_px} px"),
+    let spread = |spread: &PsfComponent| match spread {
+        PsfComponent::Gaussian { sigma_px } => format!("Gaussian, sigma {sigma_px} px"),
+        PsfComponent::Airy { cutoff_px } => format!("Airy, wavelength times f-number {cutoff_px:.6} px"),
+        PsfComponent::Disc { diameter_px } => format!("defocus, disc of {diameter_px} px"),
     };
     let kernel = camera.kernel.as_deref().map(|path| format!("kernel {}", super::names::file_name(path)));
     let psf: Vec<String> = camera.spreads.iter().map(spread).chain(kernel).collect();
@@ -120,7 +120,7 @@ fn shared_pose_error_px(
     let optics = &exposure.view.optics;
     let block_s = scenario.camera.shutter.block_time_s();
     let pieces = scenario.camera.shutter.pieces(scenario.camera.rows);
-    let off = |(band, (time_s, pose)): (&crate::camera::Band, &(f64, Pose))| {
+    let off = |(band, (time_s, pose)): (&crate::camera::ExposedRows, &(f64, Pose))| {
         let pixel = DVec2::new(0.5 * (f64::from(optics.columns) - 1.0), band.first_row as f64);
         let Prepared { motions, almanac, frame, .. } = prepared;
         let motion = &motions[exposure.point];

@@ -40,7 +40,7 @@ fn of_terrain(scenario: &Scenario, cache: &Path) -> Result<Vec<Vec<Crater>>, Err
     for (index, (dem, path)) in dems.iter().zip(ground::paths(&scenario.body, dems, cache)).enumerate() {
         let origin = match dem {
             Dem::Synthetic { .. } => Origin::Synthetic,
-            Dem::Detail { .. } => Origin::Invented,
+            Dem::Detail { .. } => Origin::SyntheticDetail,
             Dem::File { .. } | Dem::Cube { .. } | Dem::Globe(_) => continue,
         };
         lists.push(catalogue::read(&path.with_extension("craters.csv"), &format!("terrain{index}/"), origin)?);

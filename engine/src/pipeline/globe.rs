@@ -17,9 +17,9 @@
 
 pub mod check;
 pub mod index;
+pub mod lod;
 pub mod look;
 pub mod selection;
-pub mod shown;
 pub mod sight;
 
 use std::fs;
@@ -31,8 +31,8 @@ use rayon::prelude::*;
 
 pub use check::Checks;
 pub use index::{Index, Plan};
+pub use lod::DrawnTiles;
 pub use selection::Selection;
-pub use shown::Shown;
 
 use super::{Error, Progress};
 use crate::geometry::Body;

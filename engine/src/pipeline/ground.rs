@@ -4,13 +4,14 @@ use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::globe::Shown;
+use super::globe::DrawnTiles;
 use super::{Error, Progress, terrain_key as key};
 
 pub use super::names::file_name;
 pub use super::tiles::{Tile, horizons};
 
 use crate::dataset::Input;
+use crate::files;
 use crate::geometry::{Body, Geodetic};
 use crate::raster::{self, Dem};
 use crate::scenario;
@@ -32,7 +33,7 @@ pub struct Ground {
     /// One line a level.
     pub resampling: Vec<String>,
     /// Where the terrain is a globe, of which the surface shows a part.
-    pub globe: Option<Box<Shown>>,
+    pub globe: Option<Box<DrawnTiles>>,
 }
 
 /// Opens (or makes) the DEMs and lifts them onto levels.
@@ -79,7 +80,7 @@ fn globe(
     progress: &dyn Progress,
 ) -> Result<Ground, Error> {
     progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
-    let shown = Shown::open(body, written, values(written.values))?;
+    let shown = DrawnTiles::open(body, written, values(written.values))?;
     let name = file_name(&written.path);
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
@@ -208,10 +209,10 @@ fn make_synthetic(
     let mut coarse = None;
     for (parameters, path) in &wanted {
         progress.begin("making terrain", 0, "craters");
-        let heard = |done: usize, total: usize| progress.at(done, total);
+        let on_progress = |done: usize, total: usize| progress.at(done, total);
         let terrain = match &coarse {
-            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &heard)?,
-            None => synthetic::generate(body, parameters, &heard)?,
+            Some(coarse) => synthetic::generate_within(body, parameters, coarse, &on_progress)?,
+            None => synthetic::generate(body, parameters, &on_progress)?,
         };
         keep(&terrain.craters, path, &|path| terrain.write(path))?;
         coarse = Some(terrain);
@@ -255,7 +256,7 @@ fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), syn
     // The craters first: the terrain's name says that both are there.
     let list = path.with_extension("craters.csv");
     let text = synthetic::craters_csv(craters);
-    std::fs::write(&list, text).map_err(|source| Error::Unwritable { path: list, source })?;
+    files::write(&list, text.as_bytes()).map_err(|source| Error::Unwritable { path: list, source })?;
     Ok(write(path)?)
 }
 

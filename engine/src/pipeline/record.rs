@@ -4,8 +4,8 @@ use super::names::file_name;
 use super::shot::Shot;
 use super::{Error, Prepared, scene, sequence, split};
 use crate::dataset::{
-    self, BodyRecord, EpochRecord, Facts, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord, Run,
-    SoftwareRecord, SunRecord, SweepRecord, White,
+    self, BodyRecord, EpochRecord, ExposureMetadata, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord,
+    Run, SoftwareRecord, SunRecord, SweepRecord, White,
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
@@ -58,7 +58,7 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<s
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
     }
-    if let Some(invented) = labels::invented(&scene.surface, sequence::invented_levels(scenario)) {
+    if let Some(invented) = labels::synthetic_detail(&scene.surface, sequence::synthetic_levels(scenario)) {
         settings["invented"] = serde_json::json!(invented);
     }
     if let Some(sweep) = &scenario.sweep {
@@ -150,10 +150,17 @@ fn body(prepared: &Prepared) -> BodyRecord {
 }
 
 /// What is known of exposure `index`.
-pub fn facts(prepared: &Prepared, scene: &Scene, run: &Run, index: usize, image: &Image, shot: &Shot) -> Facts {
+pub fn facts(
+    prepared: &Prepared,
+    scene: &Scene,
+    run: &Run,
+    index: usize,
+    image: &Image,
+    shot: &Shot,
+) -> ExposureMetadata {
     let exposure = &prepared.exposures[index];
     let scenario = &prepared.points[exposure.point];
-    Facts {
+    ExposureMetadata {
         frame_id: format!("{}/{index:04}", scenario.name),
         sweep: prepared.sweep.as_ref().map(|sweep| SweepRecord {
             point: exposure.point,

@@ -22,7 +22,7 @@ pub fn check(scenario: &Scenario, exposures: &[Exposure]) -> Result<(), Error> {
 }
 
 /// How many of the terrain's models, the finest, are made up below the posting of a measured one.
-pub fn invented_levels(scenario: &Scenario) -> usize {
+pub fn synthetic_levels(scenario: &Scenario) -> usize {
     let dems = scenario.terrain.as_ref().map_or(&[][..], |terrain| &terrain.dems);
     dems.iter().take_while(|dem| matches!(dem, Dem::Detail { .. })).count()
 }
@@ -81,7 +81,7 @@ pub fn planes(
     shadow: Option<&dyn Shadow>,
 ) -> Vec<Plane> {
     let (previous, next) = (previous(exposures, index), beside(exposures, index, index + 1));
-    let (limits, invented_levels) = (&scenario.hazards, invented_levels(scenario));
-    let sequence = Sequence { previous, next, before, shadow, limits, invented_levels };
+    let (limits, synthetic_levels) = (&scenario.hazards, synthetic_levels(scenario));
+    let sequence = Sequence { previous, next, before, shadow, limits, synthetic_levels };
     labels::planes(scene, &exposures[index].view, samples, &sequence)
 }

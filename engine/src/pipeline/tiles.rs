@@ -52,13 +52,13 @@ pub fn horizons<'a, E: From<Error>>(
             tile += 1;
             progress.begin(&format!("horizons, tile {tile} of {tiles}"), settings.azimuths, "azimuths");
             let (start, built) = (Instant::now(), AtomicBool::new(false));
-            let heard = |done: usize, total: usize| {
+            let on_progress = |done: usize, total: usize| {
                 built.store(true, Ordering::Relaxed);
                 progress.at(done, total);
             };
             let body = &surface.terrain.body;
             let request = horizon::Request { body, face, level, settings: *settings, encoding };
-            let map = horizon::open_or_build(&request, folder, resources, &heard).map_err(Error::from)?;
+            let map = horizon::open_or_build(&request, folder, resources, &on_progress).map_err(Error::from)?;
             let key = request.key();
             let path = store::path_for(folder, &key);
             let built_s = built.into_inner().then(|| start.elapsed().as_secs_f64());

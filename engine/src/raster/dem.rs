@@ -14,39 +14,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 
 use gdal::Dataset;
-use gdal::errors::GdalError;
-use gdal::raster::{GdalDataType, GdalType, RasterBand};
+use gdal::raster::{GdalDataType, RasterBand};
 
-use super::{Error, Georeference, Projector, keep_gdal_quiet};
+use super::reader::{Reader, Values};
+use super::window::{Around, Window, check_window, needed, part, reduction};
+use super::{Error, Georeference, keep_gdal_quiet};
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
-
-/// What the pixels of a raster mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Values {
-    /// Radii if the first valid one lies within 5 % of the body's radius, else heights.
-    #[default]
-    Auto,
-    /// Metres above the body's reference spheroid.
-    Height,
-    /// Metres from the body's centre.
-    Radius,
-}
-
-/// A rectangle of pixels. Where columns run all the way around the body it may go on past the last one with the first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Window {
-    pub column: usize,
-    pub row: usize,
-    pub columns: usize,
-    pub rows: usize,
-}
-
-/// The ground within a distance of a place, on the gnomonic map about it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Around {
-    pub centre: Geodetic,
-    pub distance_m: f64,
-}
 
 /// How to read an elevation model.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -270,19 +243,6 @@ pub(super) fn choose_band<'a>(
     Ok(band)
 }
 
-fn check_window(path: &Path, (width, height): (usize, usize), window: Option<Window>) -> Result<Window, Error> {
-    let Window { column, row, columns, rows } =
-        window.unwrap_or(Window { column: 0, row: 0, columns: width, rows: height });
-    let fits = |start: usize, count: usize, size: usize| start.checked_add(count).is_some_and(|end| end <= size);
-    if !fits(column, columns, width) || !fits(row, rows, height) {
-        return Err(Error::Window { path: path.into(), column, row, columns, rows, width, height });
-    }
-    if columns < 2 || rows < 2 {
-        return Err(Error::TooSmall { path: path.into(), columns, rows });
-    }
-    Ok(Window { column, row, columns, rows })
-}
-
 fn georeference(path: &Path, dataset: &Dataset) -> Result<Georeference, Error> {
     let wkt = dataset.projection();
     if wkt.is_empty() {
@@ -304,201 +264,7 @@ fn check_body(path: &Path, georeference: &Georeference, body: &Body, any: bool) 
     Err(Error::OtherBody { path: path.into(), body: body.name.clone(), got_m, expected_m })
 }
 
-/// Pixels to average along a side: as many as fit the posting. Where columns run around the body they
-/// must divide the raster, so that its seams stay whole.
-fn reduction(georeference: &Georeference, window: Window, posting_m: Option<f64>) -> usize {
-    let pixel_m = georeference.pixel_size() * georeference.metres_per_unit();
-    let most = window.columns.min(window.rows) / 2;
-    let wanted = posting_m.map_or(1, |posting_m| ((posting_m / pixel_m * (1.0 + 1e-9)) as usize).clamp(1, most));
-    let divides = |n: &usize| window.columns.is_multiple_of(*n) && window.rows.is_multiple_of(*n);
-    match georeference.period_columns {
-        Some(_) => (1..=wanted).rev().find(divides).unwrap_or(1),
-        None => wanted,
-    }
-}
-
-/// The part of a window that holds the ground around a place, in whole blocks of `reduction` pixels, so that
-/// blocks are those of the window. Where columns run around the body the part may lie across the seam.
-fn needed(
-    whole: &Georeference,
-    body: &Body,
-    window: Window,
-    reduction: usize,
-    Around { centre, distance_m }: Around,
-) -> Result<Window, Error> {
-    const PROBES: i32 = 32;
-    let middle_m = body.position_from_geodetic(centre).vector_m();
-    // Any two directions across each other will do.
-    let east_m = middle_m.normalize().any_orthonormal_vector() * distance_m;
-    let north_m = middle_m.normalize().cross(east_m);
-    let place = |index: i32| {
-        let (x, y) = (index % (2 * PROBES + 1) - PROBES, index / (2 * PROBES + 1) - PROBES);
-        (middle_m + (f64::from(x) * east_m + f64::from(y) * north_m) / f64::from(PROBES)).normalize()
-            * middle_m.length()
-    };
-    let places: Vec<_> = (0..(2 * PROBES + 1).pow(2)).map(|index| Position::from_m(place(index))).collect();
-    let seen = whole.projector()?.pixels(&places).into_iter().filter(|pixel| pixel.is_finite());
-    let seen: Vec<DVec2> = seen.collect();
-    let (low, high) = seen.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
-    // Edges bend between probes, and interpolation looks two blocks further.
-    let margin = (high - low) * 0.01 + 3.0 * reduction as f64;
-    let part = |low: f64, high: f64, start: usize, count: usize| {
-        let blocks = (count / reduction) as f64;
-        let first = ((low - start as f64) / reduction as f64).floor().clamp(0.0, blocks) as usize * reduction;
-        let end = ((high - start as f64) / reduction as f64).ceil().clamp(0.0, blocks) as usize * reduction;
-        (start + first, end.saturating_sub(first))
-    };
-    let (low, high) = (low - margin, high + margin);
-    let (row, rows) = part(low.y, high.y, window.row, window.rows);
-    let inside = row > window.row && row + rows < window.row + window.rows / reduction * reduction;
-    let (column, columns) = match whole.period_columns {
-        // Over a pole the map goes on half a turn away.
-        Some(period) if inside && (window.columns as f64 - period).abs() < 0.01 => {
-            around_the_body(&seen, window.columns, reduction)
-        }
-        Some(_) => (window.column, window.columns),
-        None => part(low.x, high.x, window.column, window.columns),
-    };
-    // A place outside the file is an error of whoever needs heights there.
-    let some = columns >= 2 * reduction && rows >= 2 * reduction;
-    Ok(if some { Window { column, row, columns, rows } } else { window })
-}
-
 /// Whether columns run once around the body and meet.
 fn whole_turn(columns: usize, period: f64) -> bool {
     (period - period.round()).abs() < 0.01 && columns as f64 > period - 0.5
-}
-
-/// The shortest run of columns around the body that holds all pixels seen, widened by a margin, in whole blocks; all
-/// columns where that is most of them.
-fn around_the_body(seen: &[DVec2], columns: usize, reduction: usize) -> (usize, usize) {
-    let period = columns as f64;
-    let mut at: Vec<f64> = seen.iter().map(|pixel| pixel.x.rem_euclid(period)).collect();
-    at.sort_by(f64::total_cmp);
-    // What is left out is the widest gap.
-    let next = |i: usize| if i + 1 < at.len() { at[i + 1] } else { at[0] + period };
-    let Some(end) = (0..at.len()).max_by(|a, b| (next(*a) - at[*a]).total_cmp(&(next(*b) - at[*b]))) else {
-        return (0, columns);
-    };
-    let gap = next(end) - at[end];
-    let margin = (period - gap) * 0.01 + 3.0 * reduction as f64;
-    let blocks = ((period - gap + 2.0 * margin) / reduction as f64) as usize + 2;
-    let first = ((next(end) - margin).rem_euclid(period) / reduction as f64) as usize * reduction;
-    if gap < 0.5 * period || blocks * reduction >= columns { (0, columns) } else { (first, blocks * reduction) }
-}
-
-/// The affine map of the pixels of a window, averaged `reduction` × `reduction`.
-fn part(g: [f64; 6], window: Window, reduction: usize) -> [f64; 6] {
-    let (column, row, n) = (window.column as f64, window.row as f64, reduction as f64);
-    [g[0] + column * g[1] + row * g[2], g[1] * n, g[2] * n, g[3] + column * g[4] + row * g[5], g[4] * n, g[5] * n]
-}
-
-/// Reads a window of a band that may go on past the last column with the first.
-fn read_around<T: GdalType + Copy>(
-    band: &RasterBand,
-    (column, row): (isize, isize),
-    (columns, rows): (usize, usize),
-    values: &mut [T],
-) -> Result<(), GdalError> {
-    let before = columns.min((band.x_size() as isize - column) as usize);
-    if before == columns {
-        return band.read_into_slice((column, row), (columns, rows), (columns, rows), values, None);
-    }
-    for (column, from, columns_here) in [(column, 0, before), (0, before, columns - before)] {
-        let size = (columns_here, rows);
-        let part = band.read_as::<T>((column, row), size, size, None)?;
-        for (row, part) in part.data().chunks(columns_here).enumerate() {
-            values[row * columns + from..][..columns_here].copy_from_slice(part);
-        }
-    }
-    Ok(())
-}
-
-/// Reads rows as heights, one call of GDAL a row of the result.
-struct Reader<'a> {
-    path: &'a Path,
-    band: RasterBand<'a>,
-    body: &'a Body,
-    values: Values,
-    window: Window,
-    reduction: usize,
-    whole: &'a Georeference,
-    projector: Projector<'a>,
-    masked: Vec<u8>,
-}
-
-impl Reader<'_> {
-    /// Appends row `row` of the reduced window.
-    fn read_row(&mut self, row: usize, heights_m: &mut Vec<f32>) -> Result<(), Error> {
-        let n = self.reduction;
-        let first_row = self.window.row + row * n;
-        let mut values = self.read(first_row).map_err(|source| Error::Damaged { path: self.path.into(), source })?;
-        self.settle_meaning(&values)?;
-        if self.values == Values::Radius {
-            self.heights_from_radii(first_row, &mut values);
-        }
-        let columns = self.window.columns;
-        heights_m.extend((0..columns / n).map(|column| {
-            let block = (0..n).flat_map(|r| &values[r * columns + column * n..][..n]);
-            let (count, sum) = block.filter(|value| value.is_finite()).fold((0, 0.0), |(k, s), v| (k + 1, s + v));
-            if count == 0 { f32::NAN } else { (sum / f64::from(count)) as f32 }
-        }));
-        Ok(())
-    }
-
-    /// `reduction` rows of scaled values, NaN where masked.
-    fn read(&mut self, first_row: usize) -> Result<Vec<f64>, GdalError> {
-        let size = (self.window.columns, self.reduction);
-        let origin = (self.window.column as isize, first_row as isize);
-        let mut values = vec![0.0; size.0 * size.1];
-        let unmasked = self.band.mask_flags()?.is_all_valid();
-        read_around(&self.band, origin, size, &mut values)?;
-        if !unmasked {
-            self.masked.resize(values.len(), 0);
-            read_around(&self.band.open_mask_band()?, origin, size, &mut self.masked)?;
-        }
-        let (scale, offset) = (self.band.scale().unwrap_or(1.0), self.band.offset().unwrap_or(0.0));
-        let sentinel = self.band.band_type() == GdalDataType::Int16 && unmasked;
-        for (index, value) in values.iter_mut().enumerate() {
-            let missing = !unmasked && self.masked[index] == 0 || sentinel && *value == f64::from(i16::MIN);
-            *value = if missing || !value.is_finite() { f64::NAN } else { offset + scale * *value };
-        }
-        Ok(values)
-    }
-
-    /// Decides at the first valid value what [`Values::Auto`] means.
-    fn settle_meaning(&mut self, values: &[f64]) -> Result<(), Error> {
-        let Some(&value) = values.iter().find(|value| value.is_finite()) else { return Ok(()) };
-        if self.values != Values::Auto {
-            return Ok(());
-        }
-        let radius_m = self.body.equatorial_radius_m;
-        self.values = if (value / radius_m - 1.0).abs() < 0.05 {
-            Values::Radius
-        } else if (value / radius_m).abs() < 0.05 {
-            Values::Height
-        } else {
-            let (path, body) = (self.path.into(), self.body.name.clone());
-            return Err(Error::Implausible { path, body, value_m: value, radius_m });
-        };
-        Ok(())
-    }
-
-    fn heights_from_radii(&self, first_row: usize, values: &mut [f64]) {
-        if self.body.is_sphere() {
-            values.iter_mut().for_each(|value| *value -= self.body.equatorial_radius_m);
-            return;
-        }
-        let columns = self.window.columns;
-        let pixel = |index: usize| {
-            DVec2::new((self.window.column + index % columns) as f64, (first_row + index / columns) as f64)
-        };
-        let pixels: Vec<DVec2> = (0..values.len()).map(pixel).collect();
-        let figure = &self.whole.figure;
-        for (value, on_figure) in values.iter_mut().zip(self.projector.geodetics(&pixels)) {
-            let towards = figure.position_from_geodetic(on_figure).vector_m().normalize();
-            let point = Position::from_m(towards * *value);
-            *value = self.body.geodetic_from_position(point).height_m;
-        }
-    }
 }

@@ -42,8 +42,8 @@ pub enum Error {
     Implausible { path: PathBuf, body: String, value_m: f64, radius_m: f64 },
     #[error("cannot write {path}")]
     Write { path: PathBuf, source: GdalError },
-    #[error("cannot move {from} to {to}")]
-    Rename { from: PathBuf, to: PathBuf, source: io::Error },
+    #[error("cannot write {path}")]
+    Unwritable { path: PathBuf, source: io::Error },
 }
 
 /// Blocks of files that GDAL may keep in memory, in MiB; by itself it takes a twentieth of the machine's.

@@ -1,10 +1,9 @@
 //! GeoTIFFs of 32-bit floats, tiled and compressed without loss.
 //!
-//! A file appears under its name only when it is complete: it is written under a temporary name beside
-//! it and then moved. NaN is declared as nodata. GDAL before 3.7 reports no error when a disk fills
-//! while it closes a file, so the file is opened again before it is moved.
+//! A file appears under its name only when it is complete ([`crate::files`]). NaN is declared as nodata. GDAL before 3.7
+//! reports no error when a disk fills while it closes a file, so the file is opened again before it gets its name.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gdal::raster::{Buffer, RasterCreationOptions};
 use gdal::spatial_ref::SpatialRef;
@@ -13,10 +12,11 @@ use gdal::{Dataset, DriverManager, Metadata};
 use gdal::errors::GdalError;
 
 use super::{Error, keep_gdal_quiet};
+use crate::files::NewFile;
 
 /// One band: what it holds, and its values row by row from the top left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band<'a> {
+pub struct GeoTiffBand<'a> {
     pub name: &'a str,
     pub unit: &'a str,
     pub values: &'a [f32],
@@ -28,7 +28,7 @@ pub struct GeoTiff<'a> {
     pub columns: usize,
     pub rows: usize,
     /// All of `columns × rows` values.
-    pub bands: Vec<Band<'a>>,
+    pub bands: Vec<GeoTiffBand<'a>>,
     /// WKT, PROJ string or authority code.
     pub crs: &'a str,
     /// GDAL's affine map: from the first pixel's corner, see [`Georeference`](super::Georeference).
@@ -38,19 +38,10 @@ pub struct GeoTiff<'a> {
 impl GeoTiff<'_> {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         keep_gdal_quiet();
-        let temporary = beside(path);
-        let written = self.write_to(&temporary).map_err(|source| Error::Write { path: path.into(), source });
-        let moved = written.and_then(|()| {
-            std::fs::rename(&temporary, path).map_err(|source| {
-                let (from, to) = (temporary.clone(), path.into());
-                Error::Rename { from, to, source }
-            })
-        });
-        if moved.is_err() {
-            // What is left of a failed attempt; the error to report is the one before.
-            let _ = std::fs::remove_file(&temporary);
-        }
-        moved
+        let unwritable = |source| Error::Unwritable { path: path.into(), source };
+        let file = NewFile::create(path).map_err(unwritable)?;
+        self.write_to(file.temporary()).map_err(|source| Error::Write { path: path.into(), source })?;
+        file.commit().map(|_| ()).map_err(unwritable)
     }
 
     fn write_to(&self, path: &Path) -> Result<(), GdalError> {
@@ -77,10 +68,4 @@ impl GeoTiff<'_> {
         whole.rasterband(self.bands.len())?.read_as::<f32>(last_row, (self.columns, 1), (self.columns, 1), None)?;
         Ok(())
     }
-}
-
-/// A name in the same folder, so that moving it is one step.
-fn beside(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
 }

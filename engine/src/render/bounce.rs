@@ -94,7 +94,7 @@ impl Bounce {
 impl Gather {
     /// The points of a level, without rays.
     fn over(level: &Level) -> Self {
-        let [columns, rows] = [level.columns, level.rows].map(|count| count - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         let step = (columns.max(rows) - 1).div_ceil(POINTS - 1).max(1);
         let [columns, rows] = [columns, rows].map(|count| (count - 1).div_ceil(step) + 1);
         Self { step, columns, rows, rays: Vec::new() }
@@ -102,7 +102,7 @@ impl Gather {
 
     /// Column and row of a point among the seen nodes.
     fn seen_node(&self, level: &Level, point: usize) -> [usize; 2] {
-        let last = [level.columns, level.rows].map(|count| count - 2 * level.margin - 1);
+        let last = level.seen_size().map(|count| count - 1);
         [(point % self.columns * self.step).min(last[0]), (point / self.columns * self.step).min(last[1])]
     }
 

@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use super::planes::{self, Part, Radiometry, Samples};
 use super::{Image, Rays, RenderError, Scene, Session, View};
-use crate::camera::{Band, Camera as Optics, Detector, Pose, Psf, Shutter};
+use crate::camera::{Camera as Optics, Detector, ExposedRows as Band, Pose, Psf, Shutter};
 
 /// What a camera does beyond a pinhole that stands still for an instant.
 #[derive(Debug, Clone, PartialEq)]

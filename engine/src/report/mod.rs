@@ -4,7 +4,6 @@ pub mod error;
 pub mod machine;
 pub mod page;
 pub mod plot;
-pub mod statistics;
 pub mod table;
 
 pub use error::Error;

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use super::check::Check;
 use super::error::Fault;
-use super::resolve::Check;
 use super::resolved::{AutoExposure, Camera, CraterList, Detector, Landmarks, Outputs};
 use super::spec::{self, Spec};
-use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use super::text;
+use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
 use crate::dataset::Format;
 use crate::labels::{Limits, Wanted};
 use crate::render::Quantity;
@@ -146,20 +147,20 @@ fn vignetting(written: Option<spec::Vignetting>) -> Vignetting {
     }
 }
 
-fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<Spread> {
+fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<PsfComponent> {
     let list = written.psf.as_deref().unwrap_or_default();
     let middle = written.band_nm.map(|(low, high)| 0.5 * (low + high));
-    let spread = |(index, spread): (usize, &spec::Spread)| match *spread {
-        spec::Spread::Gaussian { sigma_px } => Some(Spread::Gaussian { sigma_px }),
-        spec::Spread::Defocus { diameter_px } => Some(Spread::Disc { diameter_px }),
-        spec::Spread::Kernel { .. } => None,
-        spec::Spread::Airy { wavelength_nm } => {
+    let spread = |(index, spread): (usize, &spec::PsfComponent)| match *spread {
+        spec::PsfComponent::Gaussian { sigma_px } => Some(PsfComponent::Gaussian { sigma_px }),
+        spec::PsfComponent::Defocus { diameter_px } => Some(PsfComponent::Disc { diameter_px }),
+        spec::PsfComponent::Kernel { .. } => None,
+        spec::PsfComponent::Airy { wavelength_nm } => {
             let key = format!("camera.psf[{index}]");
             check.needs(written.pixel_pitch_um.is_some(), &key, "needs camera.pixel_pitch_um");
             let known = wavelength_nm.or(middle);
             check.needs(known.is_some(), &key, "needs wavelength_nm, or camera.band_nm");
             let (pitch_um, wavelength_nm) = (written.pixel_pitch_um?, known?);
-            Some(Spread::Airy { cutoff_px: wavelength_nm * 1e-3 * written.f_number.unwrap_or(4.0) / pitch_um })
+            Some(PsfComponent::Airy { cutoff_px: wavelength_nm * 1e-3 * written.f_number.unwrap_or(4.0) / pitch_um })
         }
     };
     list.iter().enumerate().filter_map(spread).collect()
@@ -168,7 +169,7 @@ fn spreads(written: &spec::Camera, check: &mut Check) -> Vec<Spread> {
 fn kernel(written: &spec::Camera, check: &mut Check) -> Option<PathBuf> {
     let mut kernel = None;
     for (index, spread) in written.psf.iter().flatten().enumerate() {
-        if let spec::Spread::Kernel { path } = spread {
+        if let spec::PsfComponent::Kernel { path } = spread {
             let key = format!("camera.psf[{index}]");
             check.needs(kernel.is_none(), &key, "is a second kernel; one is allowed");
             kernel = Some(check.file(&format!("{key}.path"), path));
@@ -221,7 +222,7 @@ fn detector(camera: &spec::Camera, detector: Option<Detector>, check: &mut Check
 pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Check) -> Outputs {
     let planes = &spec.outputs.planes;
     for (index, plane) in planes.iter().enumerate() {
-        let (key, name) = (format!("outputs.planes[{index}]"), snake_case(&format!("{plane:?}")));
+        let (key, name) = (format!("outputs.planes[{index}]"), text::name(plane));
         let twice = planes[..index].contains(plane);
         check.rule(!twice, &key, &name, "is listed twice");
         let counted = matches!(plane, Quantity::DigitalNumber | Quantity::NoiseFreeDigitalNumber);
@@ -232,13 +233,17 @@ pub fn outputs(spec: &Spec, camera: &Camera, has_detector: bool, check: &mut Che
     let band = spec.camera.band_nm.is_some() || spec.camera.response.is_some();
     for (index, plane) in planes.iter().enumerate().filter(|(_, plane)| plane.is_spectral()) {
         let key = format!("outputs.planes[{index}]");
-        check.needs(band, &key, format!("needs camera.band_nm or camera.response: {plane:?} is per nanometre"));
+        check.needs(
+            band,
+            &key,
+            format!("needs camera.band_nm or camera.response: {} is per nanometre", text::name(plane)),
+        );
     }
     let formats = &spec.outputs.formats;
     for (index, format) in formats.iter().enumerate() {
         let twice = formats[..index].contains(format);
         let key = format!("outputs.formats[{index}]");
-        check.rule(!twice, &key, format!("{format:?}"), "is listed twice");
+        check.rule(!twice, &key, text::name(format), "is listed twice");
         let of_craters = matches!(format, Format::Coco | Format::CraterChallenge);
         let on_map = matches!(format, Format::GeoTiff);
         let at_once = camera.shutter == Shutter::Global;
@@ -279,15 +284,4 @@ pub fn landmarks(spec: &Spec, camera: &Camera, check: &mut Check) -> Option<Land
 pub fn hazards(written: &spec::Hazards) -> Limits {
     let spec::Hazards { footprint_m, slope_deg, roughness_m, sunlit_share } = *written;
     Limits { footprint_m, slope_rad: slope_deg.to_radians(), roughness_m, sunlit_share }
-}
-
-fn snake_case(name: &str) -> String {
-    let mut snake = String::new();
-    for char in name.chars() {
-        if char.is_uppercase() && !snake.is_empty() {
-            snake.push('_');
-        }
-        snake.extend(char.to_lowercase());
-    }
-    snake
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::tree::Place;
+use super::tree::TextPosition;
 
 /// Why a scenario cannot run.
 #[derive(Debug, Error)]
@@ -31,7 +31,7 @@ impl ScenarioError {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{}:{}: {}{fault}", place.line, place.column, prefix(key))]
 pub struct Problem {
-    pub place: Place,
+    pub place: TextPosition,
     /// As in `trajectory.points[2].t_s`; empty for the whole file.
     pub key: String,
     pub fault: Fault,

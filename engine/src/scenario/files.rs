@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Directories in which file names of a scenario are looked up, in this order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Places {
+pub struct SearchPath {
     /// The scenario's own directory.
     pub beside: PathBuf,
     /// `--data`, then `SIM_DATA`.
@@ -18,8 +18,8 @@ pub(super) enum Found {
     Nowhere(Vec<String>),
 }
 
-impl Places {
-    /// The places for a scenario's file: its directory, `data`, and `SIM_DATA`.
+impl SearchPath {
+    /// The directories for a scenario's file: its directory, `data`, and `SIM_DATA`.
     pub fn of(scenario: &Path, data: &[PathBuf]) -> Self {
         let beside = scenario.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let shared = std::env::var_os("SIM_DATA").map(PathBuf::from);

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::resolve::Check;
-use super::resolved::{Band, FixedSun, LimbDarkened, Sun};
+use super::check::Check;
+use super::resolved::{FixedSun, LimbDarkened, Passband, Sun};
 use super::spec::{self, Spec};
 use crate::photometry::{Curve, SolarSpectrum};
 use crate::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
@@ -18,7 +18,7 @@ const GIVEN: &str = "as given";
 const TOTAL: &str = "total solar irradiance (IAU 2015 B3)";
 
 /// The Sun and the camera's band; `None`: all wavelengths.
-pub fn light(spec: &Spec, has_terrain: bool, check: &mut Check) -> (Sun, Option<Band>) {
+pub fn light(spec: &Spec, has_terrain: bool, check: &mut Check) -> (Sun, Option<Passband>) {
     let needs = "needs terrain: the Sun is held in the sky of the terrain's centre";
     check.needs(spec.sun.fixed.is_none() || has_terrain, "sun.fixed", needs);
     let response = response(&spec.camera, check);
@@ -85,16 +85,16 @@ fn through(
     spectrum: Option<SolarSpectrum>,
     response: Option<(Curve, Option<PathBuf>)>,
     check: &mut Check,
-) -> (f64, String, Option<Band>) {
+) -> (f64, String, Option<Passband>) {
     let band = response.map(|(response, path)| {
         let width_nm = Curve::integral(&[&response], 0);
         let wavelength_nm = Curve::integral(&[&response], 1) / width_nm;
-        Band { response, path, width_nm, wavelength_nm }
+        Passband { response, path, width_nm, wavelength_nm }
     });
     match (spectrum, band) {
         (Some(spectrum), Some(band)) => match spectrum.through(&band.response) {
             Ok(light) => {
-                (light.irradiance_w_m2, spectrum.name, Some(Band { wavelength_nm: light.wavelength_nm, ..band }))
+                (light.irradiance_w_m2, spectrum.name, Some(Passband { wavelength_nm: light.wavelength_nm, ..band }))
             }
             Err(error) => {
                 let key = if spec.camera.response.is_some() { "camera.response" } else { "camera.band_nm" };
@@ -109,7 +109,12 @@ fn through(
     }
 }
 
-fn limb_darkening(disc: &spec::Disc, has_band: bool, band: Option<&Band>, check: &mut Check) -> Option<LimbDarkened> {
+fn limb_darkening(
+    disc: &spec::Disc,
+    has_band: bool,
+    band: Option<&Passband>,
+    check: &mut Check,
+) -> Option<LimbDarkened> {
     let spec::Disc::LimbDarkened { wavelength_nm, law } = *disc else { return None };
     let wavelength_nm = wavelength_nm.or(band.map(|band| band.wavelength_nm));
     check.needs(wavelength_nm.is_some() || has_band, "sun.disc", "needs wavelength_nm, or a camera with a band");

@@ -2,16 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use super::check::FileHint;
 use super::error::ScenarioError;
-use super::files::Places;
-use super::resolve::{About, resolve};
+use super::files::SearchPath;
+use super::resolve::resolve;
 use super::resolved::Scenario;
 use super::shipped::{SHIPPED, ShippedScenario};
 
 /// Reads and resolves the scenario `name`: a path, a name in `scenarios/`, or a shipped scenario. Files are looked for in `data` too.
-pub fn load(name: &Path, data: &[PathBuf], about: About) -> Result<Scenario, ScenarioError> {
+pub fn load(name: &Path, data: &[PathBuf], about: FileHint) -> Result<Scenario, ScenarioError> {
     let (path, text) = find(name)?;
-    resolve(&path, &text, &Places::of(&path, data), about)
+    resolve(&path, &text, &SearchPath::of(&path, data), about)
 }
 
 /// A scenario's path and text: the file itself, the one in `scenarios/`, or the one that the program carries.

@@ -13,6 +13,7 @@
 //! check (`structure.rs`) and to the printed reference (`reference.rs`).
 
 mod camera;
+mod check;
 mod error;
 mod files;
 mod light;
@@ -24,18 +25,21 @@ mod resolved;
 mod shipped;
 mod structure;
 mod sweep;
+mod text;
 mod tree;
+mod varied;
 mod world;
 
 pub mod reference;
 pub mod spec;
 
+pub use check::FileHint;
 pub use error::{Fault, Problem, ScenarioError};
-pub use files::Places;
+pub use files::SearchPath;
 pub use load::load;
-pub use resolve::{About, resolve};
+pub use resolve::resolve;
 pub use resolved::*;
 pub use shipped::{SHIPPED, ShippedScenario};
 pub use spec::Spec;
 pub use structure::schema;
-pub use sweep::{Point, Sweep, Varied};
+pub use varied::{Point, Sweep, Varied};

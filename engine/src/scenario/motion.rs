@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use hifitime::{Epoch, Unit};
 
-use super::resolve::Check;
+use super::check::Check;
 use super::resolved::{Camera, Elements, Pointing, Towards, Trajectory, Waypoint};
 use super::spec::{self, HeightAbove, Spec};
 use super::world;

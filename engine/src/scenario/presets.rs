@@ -31,7 +31,7 @@ impl Preset {
     }
 
     fn figures(self) -> Figures {
-        super::resolve::read(self.text()).expect("presets are read by a test")
+        super::text::read(self.text()).expect("presets are read by a test")
     }
 }
 

@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use hifitime::Epoch;
 
 use super::spec;
-use super::sweep::Sweep;
-use crate::camera::{Correction, Isd, Shutter, Spread, Vignetting};
+use super::varied::Sweep;
+use crate::camera::{Correction, Isd, PsfComponent, Shutter, Vignetting};
 use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
@@ -49,7 +49,7 @@ pub struct Scenario {
     pub albedo: Albedo,
     pub sun: Sun,
     /// `None`: all wavelengths.
-    pub band: Option<Band>,
+    pub band: Option<Passband>,
     /// Geometric albedo of the Earth; `None`: no earthshine.
     pub earthshine_albedo: Option<f64>,
     /// `None`: a black sky.
@@ -195,7 +195,7 @@ pub struct LimbDarkened {
 
 /// The wavelengths that count.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Band {
+pub struct Passband {
     pub response: Curve,
     /// The response's file; `None`: the same response between two wavelengths.
     pub path: Option<PathBuf>,
@@ -300,7 +300,7 @@ pub struct Camera {
     /// On the plane at distance 1, from measured to ideal.
     pub correction: Option<Correction>,
     pub vignetting: Vignetting,
-    pub spreads: Vec<Spread>,
+    pub spreads: Vec<PsfComponent>,
     /// A measured kernel, which follows the spreads.
     pub kernel: Option<PathBuf>,
     /// A square number.

@@ -4,9 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use super::error::{Fault, ScenarioError};
-use super::files::Places;
-use super::resolve::{read, resolve};
+use super::files::SearchPath;
+use super::resolve::resolve;
 use super::spec::Spec;
+use super::text::read;
 
 /// A scenario inside the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +54,7 @@ impl ShippedScenario {
 
     /// Names of the files that it needs besides what the program carries.
     pub fn needs(self) -> Vec<String> {
-        let nowhere = Places { beside: PathBuf::from("\0"), data: Vec::new() };
+        let nowhere = SearchPath { beside: PathBuf::from("\0"), data: Vec::new() };
         match resolve(Path::new(self.name), self.text, &nowhere, &|_| None) {
             Err(ScenarioError::Problems { problems, .. }) => {
                 let missing = problems.into_iter().filter_map(|problem| match problem.fault {

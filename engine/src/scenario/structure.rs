@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 
 use super::Spec;
 use super::error::{Fault, Problem};
-use super::tree::{Field, Node, Place, Value};
+use super::tree::{Node, StructField, TextPosition, Value};
 
 /// The JSON schema of scenarios.
 pub fn schema() -> Schema {
@@ -53,7 +53,7 @@ struct Check<'a> {
 }
 
 impl<'a> Check<'a> {
-    fn report(&mut self, place: Place, key: &str, fault: Fault) {
+    fn report(&mut self, place: TextPosition, key: &str, fault: Fault) {
         self.problems.push(Problem { place, key: key.into(), fault });
     }
 
@@ -127,7 +127,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn field(&mut self, schema: &'a Json, field: &Field, parent: &str) {
+    fn field(&mut self, schema: &'a Json, field: &StructField, parent: &str) {
         let Some(properties) = schema.get("properties").and_then(Json::as_object) else { return };
         let key = join(parent, &field.key);
         match properties.get(&field.key) {

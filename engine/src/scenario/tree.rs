@@ -13,7 +13,7 @@ const DEEPEST: usize = 128;
 
 /// Line and column, both from 1, the column in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct TextPosition {
     pub line: usize,
     pub column: usize,
 }
@@ -21,7 +21,7 @@ pub struct Place {
 /// A value and where it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    pub place: Place,
+    pub place: TextPosition,
     pub value: Value,
 }
 
@@ -33,21 +33,21 @@ pub enum Value {
     Bool(bool),
     List(Vec<Node>),
     Tuple(Vec<Node>),
-    Struct(Vec<Field>),
+    Struct(Vec<StructField>),
     /// `Name`, `Name(…)`: an enum variant, or a struct with its name in front.
     Named(String, Option<Box<Node>>),
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct Field {
+pub struct StructField {
     pub key: String,
-    pub place: Place,
+    pub place: TextPosition,
     pub node: Node,
 }
 
 /// The tree of a text, or `None` where the text is not plain RON.
 pub fn parse(text: &str) -> Option<Node> {
-    let mut reader = Reader { chars: text.chars().peekable(), place: Place { line: 1, column: 1 }, depth: 0 };
+    let mut reader = Reader { chars: text.chars().peekable(), place: TextPosition { line: 1, column: 1 }, depth: 0 };
     reader.skip_attributes()?;
     let node = reader.node()?;
     reader.skip_space()?;
@@ -56,7 +56,7 @@ pub fn parse(text: &str) -> Option<Node> {
 
 impl Node {
     /// The place of `key`, as in `trajectory.points[2].t_s`, or of the nearest value around it that exists.
-    pub fn locate(&self, key: &str) -> Place {
+    pub fn locate(&self, key: &str) -> TextPosition {
         let (mut node, mut place) = (self.unwrapped(), self.place);
         for step in key.split(['.', '[']).filter(|step| !step.is_empty()) {
             let Some(next) = node.child(step.trim_end_matches(']')) else { break };
@@ -88,7 +88,7 @@ impl Node {
 
 struct Reader<'a> {
     chars: Peekable<Chars<'a>>,
-    place: Place,
+    place: TextPosition,
     depth: usize,
 }
 
@@ -100,7 +100,7 @@ impl Reader<'_> {
     fn next(&mut self) -> Option<char> {
         let char = self.chars.next()?;
         if char == '\n' {
-            self.place = Place { line: self.place.line + 1, column: 1 };
+            self.place = TextPosition { line: self.place.line + 1, column: 1 };
         } else {
             self.place.column += 1;
         }
@@ -234,7 +234,7 @@ impl Reader<'_> {
         (!name.is_empty()).then_some(name)
     }
 
-    fn fields(&mut self) -> Option<Vec<Field>> {
+    fn fields(&mut self) -> Option<Vec<StructField>> {
         let mut fields = Vec::new();
         loop {
             self.skip_space()?;
@@ -244,7 +244,7 @@ impl Reader<'_> {
             }
             let place = self.place;
             let key = self.key()?;
-            fields.push(Field { key, place, node: self.node()? });
+            fields.push(StructField { key, place, node: self.node()? });
             self.skip_space()?;
             if self.peek()? != ')' {
                 self.take(',')?;
@@ -350,7 +350,7 @@ mod tests {
     #[test]
     fn columns_count_characters_not_bytes() {
         let node = parse("(a: \"ä–ö\", b: 1)").unwrap();
-        assert_eq!(node.locate("b"), Place { line: 1, column: 15 });
+        assert_eq!(node.locate("b"), TextPosition { line: 1, column: 15 });
     }
 
     #[test]

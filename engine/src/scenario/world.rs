@@ -1,6 +1,6 @@
 //! Resolves body, kernels, terrain and surface.
 
-use super::resolve::Check;
+use super::check::Check;
 use super::resolved::{Albedo, Dem, Globe, Horizon, Photometry, Terrain};
 use super::spec::{self, Spec};
 use crate::ephemeris::KernelSource;
@@ -14,10 +14,7 @@ const LUNAR_ALBEDO: f64 = 0.12;
 pub fn body(written: &spec::Body) -> Body {
     match written {
         spec::Body::Moon => Body::moon(),
-        // IAU Working Group 2015 (Archinal et al. 2018, doi:10.1007/s10569-017-9805-5), as in `pck00011.tpc`.
-        spec::Body::Mars => {
-            Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
-        }
+        spec::Body::Mars => Body::mars(),
         spec::Body::Custom { name, naif_id, equatorial_radius_m, polar_radius_m } => Body {
             name: name.clone(),
             naif_id: *naif_id,

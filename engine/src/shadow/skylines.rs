@@ -35,8 +35,8 @@ pub struct SurfacePoints<'a> {
 
 impl<'a> SurfacePoints<'a> {
     pub fn of(level: &'a Level) -> Self {
-        let seen = |nodes: usize| nodes - 2 * level.margin;
-        Self { level, columns: seen(level.columns), rows: seen(level.rows) }
+        let [columns, rows] = level.seen_size();
+        Self { level, columns, rows }
     }
 
     pub fn count(&self) -> usize {
@@ -151,7 +151,7 @@ pub fn line(site: &Site, disc: &Disc, elevation_rad: f64, slope: f64) -> DiskLig
 
 /// Both numbers at a grid point counted from the first seen node; beyond the edges those of the edge.
 pub fn bilinear(level: &Level, field: &Field, grid: DVec2) -> [f64; 2] {
-    let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+    let [columns, rows] = level.seen_size();
     let far = DVec2::new((columns - 1) as f64, (rows - 1) as f64);
     let grid = grid.clamp(DVec2::ZERO, far);
     let cell = grid.floor().min(far - 1.0);

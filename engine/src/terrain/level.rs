@@ -108,6 +108,41 @@ impl Level {
         low.lerp(high, f.y)
     }
 
+    /// Columns and rows of the seen part.
+    pub fn seen_size(&self) -> [usize; 2] {
+        [self.columns - 2 * self.margin, self.rows - 2 * self.margin]
+    }
+
+    /// How many nodes the seen part has.
+    pub fn seen_nodes(&self) -> usize {
+        let [columns, rows] = self.seen_size();
+        columns * rows
+    }
+
+    /// The seen part alone, as a level without margin.
+    pub fn seen(&self) -> Self {
+        let m = self.margin;
+        let [columns, rows] = self.seen_size();
+        let cut = |row: usize| self.index(m, row)..self.index(m, row) + columns;
+        let south_west_m = self.node_m(m, m);
+        Self {
+            columns,
+            rows,
+            posting_m: self.posting_m,
+            west_m: south_west_m.x,
+            south_m: south_west_m.y,
+            heights_m: (m..m + rows).flat_map(|row| self.heights_m[cut(row)].iter().copied()).collect(),
+            gap: (m..m + rows).flat_map(|row| self.gap[cut(row)].iter().copied()).collect(),
+            margin: 0,
+        }
+    }
+
+    /// Map coordinates of the seen part's corners.
+    pub fn seen_m(&self) -> (DVec2, DVec2) {
+        let far = (self.columns - 1 - self.margin, self.rows - 1 - self.margin);
+        (self.node_m(self.margin, self.margin), self.node_m(far.0, far.1))
+    }
+
     /// True where a map point lies in the part of the level that is seen (not in its margin).
     pub fn sees(&self, at_m: DVec2) -> bool {
         let grid = self.grid_from_map(at_m);
@@ -142,7 +177,7 @@ pub struct Terrain {
 impl Terrain {
     /// Nodes of the seen parts of all levels.
     pub fn seen_nodes(&self) -> usize {
-        let seen = |level: &Level| (level.columns - 2 * level.margin) * (level.rows - 2 * level.margin);
+        let seen = |level: &Level| level.seen_nodes();
         self.faces.iter().flat_map(|face| &face.levels).map(seen).sum()
     }
 }

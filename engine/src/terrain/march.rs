@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::surface::Segment;
+use super::segment::Segment;
 use super::{Level, Pyramid};
 
 /// A walk over a level's blocks, from large ones down to cells.

@@ -8,6 +8,7 @@ mod march;
 pub mod mesh;
 pub mod pyramid;
 pub mod quadtree;
+mod segment;
 pub mod surface;
 pub mod synthetic;
 

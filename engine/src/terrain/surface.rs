@@ -8,11 +8,12 @@
 //!
 //! `surface.wgsl` meets the same surface with another traversal; `tests/conformance` holds them together.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::march::March;
 use super::pyramid::Pyramid;
-use super::{Face, Gnomonic, Level, Terrain};
+use super::segment::Segment;
+use super::{Face, Level, Terrain};
 use crate::geometry::{BodyFixed, Direction, Position, distance_to_spheroid_m};
 
 /// A terrain ready for rays.
@@ -134,124 +135,15 @@ impl Level {
     fn is_below_m(&self, lifted: DVec3) -> bool {
         self.bilinear_m(self.grid_from_map(lifted.truncate())).is_some_and(|ground_m| lifted.z < ground_m)
     }
-
-    /// The seen part alone, as a level without margin.
-    pub fn seen(&self) -> Self {
-        let m = self.margin;
-        let (columns, rows) = (self.columns - 2 * m, self.rows - 2 * m);
-        let cut = |row: usize| self.index(m, row)..self.index(m, row) + columns;
-        let south_west_m = self.node_m(m, m);
-        Self {
-            columns,
-            rows,
-            posting_m: self.posting_m,
-            west_m: south_west_m.x,
-            south_m: south_west_m.y,
-            heights_m: (m..m + rows).flat_map(|row| self.heights_m[cut(row)].iter().copied()).collect(),
-            gap: (m..m + rows).flat_map(|row| self.gap[cut(row)].iter().copied()).collect(),
-            margin: 0,
-        }
-    }
-
-    /// Map coordinates of the seen part's corners.
-    pub fn seen_m(&self) -> (DVec2, DVec2) {
-        let far = (self.columns - 1 - self.margin, self.rows - 1 - self.margin);
-        (self.node_m(self.margin, self.margin), self.node_m(far.0, far.1))
-    }
-}
-
-/// The lifted part of a ray above the seen part of a map's outermost level: `start + s · step`, `0 ≤ s ≤ 1`.
-#[derive(Debug, Clone, Copy)]
-pub struct Segment {
-    pub start: DVec3,
-    pub step: DVec3,
-    enters_by_the_edge: bool,
-    leaves_by_the_edge: bool,
-}
-
-impl Segment {
-    /// Clips a ray (in map axes, from the centre of projection) to the pyramid over the level's seen part.
-    fn clip(map: &Gnomonic, level: &Level, origin: DVec3, towards: DVec3) -> Option<Self> {
-        let (low, high) = level.seen_m();
-        let r = map.radius_m;
-        let sides = [
-            DVec3::new(r, 0.0, -low.x),
-            DVec3::new(-r, 0.0, high.x),
-            DVec3::new(0.0, r, -low.y),
-            DVec3::new(0.0, -r, high.y),
-            DVec3::new(0.0, 0.0, r),
-        ];
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for side in sides {
-            let (value, rate) = (side.dot(origin), side.dot(towards));
-            match rate {
-                rate if rate > 0.0 => near = near.max(-value / rate),
-                rate if rate < 0.0 => far = far.min(-value / rate),
-                _ if value < 0.0 => return None,
-                _ => {}
-            }
-        }
-        if near >= far {
-            return None;
-        }
-        let lift = |t: f64| {
-            // A ray that rises for ever tends to the lifted point of its direction.
-            let p = if t.is_finite() { origin + t * towards } else { towards };
-            let height = if t.is_finite() { r * (p.z - r) / p.z } else { r };
-            DVec3::new(r * p.x / p.z, r * p.y / p.z, height)
-        };
-        let start = lift(near);
-        let step = lift(far) - start;
-        step.is_finite().then_some(Self {
-            start,
-            step,
-            enters_by_the_edge: near > 0.0,
-            leaves_by_the_edge: far.is_finite(),
-        })
-    }
-
-    pub fn at(&self, s: f64) -> DVec3 {
-        self.start + s * self.step
-    }
-
-    /// Where the segment lies over a level's seen part: an interval of `s`, empty where it does not.
-    fn over(&self, level: &Level) -> Option<(f64, f64)> {
-        let (low, high) = level.seen_m();
-        let (mut near, mut far) = (0.0_f64, 1.0_f64);
-        for (start, step, low, high) in
-            [(self.start.x, self.step.x, low.x, high.x), (self.start.y, self.step.y, low.y, high.y)]
-        {
-            if step == 0.0 {
-                if start < low || start > high {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - start) / step, (high - start) / step);
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
-        }
-        (near < far).then_some((near, far))
-    }
-
-    /// The levels in the order of the ray: `(level, from, until)`, each where it is the finest.
-    fn visits(&self, levels: &[Level]) -> Vec<(usize, f64, f64)> {
-        let outermost = levels.len() - 1;
-        let mut visits = vec![(outermost, 0.0, 1.0)];
-        for level in (0..outermost).rev() {
-            let middle = visits.len() / 2;
-            let (outer, from, until) = visits[middle];
-            let Some((near, far)) = self.over(&levels[level]) else { break };
-            visits.splice(middle..=middle, [(outer, from, near), (level, near, far), (outer, far, until)]);
-        }
-        visits
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::geometry::{Body, Geodetic};
+    use crate::terrain::Gnomonic;
 
     /// Levels of 100 m and 25 m postings with the heights of `height_m(map point)`, the fine one feathered
     /// by construction: its border is bilinear in the coarse one.

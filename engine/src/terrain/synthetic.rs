@@ -56,7 +56,7 @@ pub use detail::{Continued, Detail, Structure, continue_below};
 use relief::{Fractal, Massif};
 
 use crate::geometry::{Body, Geodetic};
-use crate::raster::{self, Band, GeoTiff, Georeference};
+use crate::raster::{self, GeoTiff, GeoTiffBand, Georeference};
 
 /// Cumulative number of craters larger than 1 km in a km². Minton et al. (2019), after Hartmann (1984).
 pub const DENSITY_PER_KM2: f64 = 0.0736;
@@ -291,7 +291,7 @@ fn lay(
 
 impl Synthetic {
     pub fn write(&self, path: &std::path::Path) -> Result<(), Error> {
-        let bands = vec![Band { name: "height", unit: "m", values: &self.heights_m }];
+        let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &self.heights_m }];
         let Self { columns, rows, geotransform, .. } = *self;
         Ok(GeoTiff { columns, rows, bands, crs: &self.crs, geotransform }.write(path)?)
     }

@@ -15,7 +15,7 @@ use serde_json::{Value as Json, json};
 
 use super::levels;
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, place, say};
+use crate::cli::{Outcome, place, print_line};
 
 #[derive(Debug, clap::Args)]
 #[group(id = "build")]
@@ -94,7 +94,7 @@ pub fn run(args: Args) -> Outcome {
         bars.clear();
         let facts = facts(&ground, &settings, tile)?;
         if !args.json {
-            say(text(&facts))?;
+            print_line(text(&facts))?;
         }
         all.push(facts);
         Ok(())
@@ -107,7 +107,7 @@ pub fn run(args: Args) -> Outcome {
     ground::horizons(&ground.surface, &settings, args.encoding, &output, resources, &bars, finished)?;
     bars.clear();
     if args.json {
-        say(format_args!("{:#}", Json::from(all)))?;
+        print_line(format_args!("{:#}", Json::from(all)))?;
     }
     Ok(())
 }

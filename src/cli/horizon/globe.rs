@@ -11,7 +11,7 @@ use serde_json::{Value as Json, json};
 use super::build::{in_degrees, row};
 use super::levels::{self, BodyArgs, Values};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, say, with_flag};
+use crate::cli::{Outcome, print_line, with_flag};
 
 /// Build the horizons of a whole body, tile by tile, from a model of any size.
 ///
@@ -74,26 +74,10 @@ Examples:
 
 pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
-    let settings = horizon::Settings {
-        azimuths: args.azimuths,
-        observer_height_m: args.observer_height,
-        ..horizon::Settings::default()
-    };
-    let options = Options {
-        dem: args.dem,
-        values: args.values.into(),
-        posting_m: args.posting,
-        cells: args.cells.into(),
-        margin: args.margin.into(),
-        settings,
-        encoding: args.encoding,
-        directory: args.output,
-        memory: Memory::mib(args.memory),
-        tiles: args.tiles,
-        checks: args.check,
-    };
+    let (body, json) = (args.body.body()?, args.json);
+    let options = options(args);
     let start = std::time::Instant::now();
-    let report = globe::build(&args.body.body()?, &options, &bars).map_err(with_flag)?;
+    let report = globe::build(&body, &options, &bars).map_err(with_flag)?;
     bars.clear();
     let seconds = start.elapsed().as_secs_f64();
     let index = &report.index;
@@ -108,15 +92,15 @@ pub fn run(args: Args) -> Outcome {
     });
     let [swept, decoded] = index.errors().map(|errors| errors.map(overall));
     let peak_mib = peak_memory_mib();
-    if args.json {
+    if json {
         let facts = json!({
             "index": path, "tiles": index.tiles.len(), "built": report.built, "kept": report.kept,
             "seconds": seconds, "bytes": bytes, "peak_memory_mib": peak_mib,
             "swept_error_deg": swept, "decoded_error_deg": decoded, "checks": checks,
         });
-        return Ok(say(format_args!("{facts:#}"))?);
+        return Ok(print_line(format_args!("{facts:#}"))?);
     }
-    say(format_args!(
+    print_line(format_args!(
         "{}: {} tiles, {:.1} MB, {} built in {seconds:.0} s, {} kept, peak memory {:.0} MiB",
         path.display(),
         index.tiles.len(),
@@ -125,24 +109,43 @@ pub fn run(args: Args) -> Outcome {
         report.kept,
         peak_mib.unwrap_or(f64::NAN)
     ))?;
-    if let Some((swept, decoded)) = swept.zip(decoded) {
-        let row = |errors: &Json| {
-            let cell = |[key, index]: [&str; 2]| {
-                format!("{:10.5}", errors.pointer(&format!("/{key}{index}")).and_then(Json::as_f64).unwrap_or(f64::NAN))
-            };
-            [["rms", ""], ["p95", "/0"], ["p95", "/1"], ["p99", "/0"], ["p99", "/1"], ["max", ""]].map(cell).concat()
-        };
-        say(format_args!(
+    print_errors(swept.zip(decoded), checks)
+}
+
+fn options(args: Args) -> Options {
+    let settings = horizon::Settings {
+        azimuths: args.azimuths,
+        observer_height_m: args.observer_height,
+        ..horizon::Settings::default()
+    };
+    Options {
+        dem: args.dem,
+        values: args.values.into(),
+        posting_m: args.posting,
+        cells: args.cells.into(),
+        margin: args.margin.into(),
+        settings,
+        encoding: args.encoding,
+        directory: args.output,
+        memory: Memory::mib(args.memory),
+        tiles: args.tiles,
+        checks: args.check,
+    }
+}
+
+fn print_errors(of_tiles: Option<(Json, Json)>, checks: Option<Json>) -> Outcome {
+    if let Some((swept, decoded)) = of_tiles {
+        print_line(format_args!(
             "  error at {} traced samples of all tiles (degrees; percentiles of the middle and of the worst tile)\n    \
              {:18} rms       p95       worst     p99       worst     max\n    swept             {}\n    decoded           {}",
             swept["samples"],
             "",
-            row(&swept),
-            row(&decoded),
+            row_of_tiles(&swept),
+            row_of_tiles(&decoded),
         ))?;
     }
     if let Some(checks) = checks {
-        say(format_args!(
+        print_line(format_args!(
             "  error at {} places  rms       p95       p99       max (degrees)\n    of coarse levels  {}\n    decoded           {}",
             checks["places"],
             row(&checks["coarsening_error_deg"]),
@@ -150,6 +153,14 @@ pub fn run(args: Args) -> Outcome {
         ))?;
     }
     Ok(())
+}
+
+/// Errors of all tiles: percentiles of the middle and of the worst one.
+fn row_of_tiles(errors: &Json) -> String {
+    let cell = |[key, index]: [&str; 2]| {
+        format!("{:10.5}", errors.pointer(&format!("/{key}{index}")).and_then(Json::as_f64).unwrap_or(f64::NAN))
+    };
+    [["rms", ""], ["p95", "/0"], ["p95", "/1"], ["p99", "/0"], ["p99", "/1"], ["max", ""]].map(cell).concat()
 }
 
 /// In degrees.

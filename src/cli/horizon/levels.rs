@@ -90,11 +90,7 @@ impl Args {
                 return Err(format!("{option} is given {given} times for {} DEMs", paths.len()));
             }
         }
-        let values = match self.values {
-            Values::Auto => scenario::Values::Auto,
-            Values::Height => scenario::Values::Height,
-            Values::Radius => scenario::Values::Radius,
-        };
+        let values = self.values.into();
         let at = |values: &[f64], index: usize| values.get(index).copied();
         match paths {
             [path] if self.cube => Ok(vec![Dem::Cube { path: path.clone(), values, posting_m: at(&self.posting, 0) }]),

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
+use perilune_engine::files;
 use perilune_engine::geometry::Geodetic;
 use perilune_engine::horizon::inspect::TilePoint;
 use perilune_engine::horizon::store;
@@ -12,7 +13,7 @@ use serde_json::json;
 use super::levels::{self, find};
 use super::{degrees, plot};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, place, say};
+use crate::cli::{Outcome, place, print_line};
 
 /// Print the skyline of a place as its tile holds it, and as traced where the DEMs are given.
 #[derive(Debug, clap::Args)]
@@ -100,7 +101,7 @@ pub fn run(args: Args) -> Outcome {
     let rows: Vec<Row> = (0..count).map(|index| row(index as f64 * args.azimuth_step)).collect();
     if let Some(path) = &args.plot {
         let title = format!("Skyline at {} (latitude, longitude east)", degrees(args.at));
-        std::fs::write(path, plot::svg(&title, &rows, bound))
+        files::write(path, plot::svg(&title, &rows, bound).as_bytes())
             .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
     if args.json { print_json(&rows, bound) } else { print_table(&rows, bound) }
@@ -114,7 +115,7 @@ fn print_json(rows: &[Row], bound: Option<f64>) -> Outcome {
             "traced_deg": row.traced, "distance_m": row.distance_m,
         })
     };
-    Ok(say(format_args!(
+    Ok(print_line(format_args!(
         "{:#}",
         rows.iter().map(object).collect::<Vec<_>>().into_iter().collect::<serde_json::Value>()
     ))?)
@@ -122,15 +123,15 @@ fn print_json(rows: &[Row], bound: Option<f64>) -> Outcome {
 
 fn print_table(rows: &[Row], bound: Option<f64>) -> Outcome {
     match bound {
-        Some(bound) => say(format_args!("decoded within {bound:.4} deg at every azimuth, at 19 nodes of 20"))?,
-        None => say("no bound is known here")?,
+        Some(bound) => print_line(format_args!("decoded within {bound:.4} deg at every azimuth, at 19 nodes of 20"))?,
+        None => print_line("no bound is known here")?,
     }
     let is_traced = rows.iter().any(|row| row.traced.is_some());
-    say(format_args!(
+    print_line(format_args!(
         "azimuth  map azimuth    decoded{}",
         if is_traced { "     traced      error   distance" } else { "" }
     ))?;
-    say(format_args!(
+    print_line(format_args!(
         "    deg          deg        deg{}",
         if is_traced { "        deg        deg          m" } else { "" }
     ))?;
@@ -138,7 +139,7 @@ fn print_table(rows: &[Row], bound: Option<f64>) -> Outcome {
         let traced = traced.zip(*distance_m).map_or(String::new(), |(traced, distance_m)| {
             format!("{traced:11.4}{:11.4}{distance_m:11.0}", decoded - traced)
         });
-        say(format_args!("{azimuth:7.2}{map_azimuth:13.3}{decoded:11.4}{traced}"))?;
+        print_line(format_args!("{azimuth:7.2}{map_azimuth:13.3}{decoded:11.4}{traced}"))?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `sim illuminate`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use hifitime::Duration;
@@ -12,22 +12,23 @@ use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
 use perilune_engine::illumination::blocks::Blocks;
 use perilune_engine::illumination::maps::needed_blocks;
 use perilune_engine::illumination::place::Summary;
-use perilune_engine::illumination::report::{Findings, Lot, Named, series};
-use perilune_engine::illumination::{self, AreaSummary, Lit, Maps, Place, Skylines, Study, Swept, Traced, Track};
+use perilune_engine::illumination::report::{IlluminationReport, PlaceResult};
+use perilune_engine::illumination::{self, Lit, Maps, Place, Skylines, Study, Swept, Traced, Track};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::Ground;
-use perilune_engine::terrain::{Gnomonic, Level};
+use perilune_engine::terrain::{Face, Gnomonic, Level};
 use serde_json::json;
 
 use super::bars::Bars;
 use super::common::Kernels;
 use super::horizon::levels;
 use super::sun::parse_step;
-use super::{Outcome, place, say};
+use super::{Outcome, place, print_line};
 use area::NamedArea;
 
 mod area;
+mod results;
 
 /// Map how often the Sun and the Earth are seen: share of the time lit, mean share of the disc, longest night.
 ///
@@ -133,13 +134,7 @@ pub fn run(args: Args) -> Outcome {
     dataset::check_writable(&args.output)?;
     let bars = Bars::new();
     let ground = args.levels.ground(&args.dems, args.centre, &bars)?;
-    let [face] = &ground.surface.terrain.faces[..] else {
-        return Err("illumination is mapped over one map; pass elevation models without --cube".into());
-    };
-    let body = &ground.surface.terrain.body;
-    if !body.is_sphere() {
-        return Err(format!("{} is a spheroid; pass --radius M for the sphere of its map", body.name).into());
-    }
+    let (face, body) = one_map(&ground)?;
     let frame = almanac.body_frame(&body.name, None)?;
     let settings = Settings { azimuths: args.azimuths, observer_height_m: args.observer_height, ..Settings::default() };
     let track = track(&args, &almanac, &frame, &ground)?;
@@ -154,67 +149,57 @@ pub fn run(args: Args) -> Outcome {
     let mut places = args.at.iter().map(|at| look.at(*at)).collect::<Result<Vec<_>, _>>()?;
 
     let start = Instant::now();
-    let heard = |done: usize, total: usize| bars.at(done, total);
+    let on_progress = |done: usize, total: usize| bars.at(done, total);
     let tile = tile(&args, &ground, settings, &bars)?;
     let skylines = match &tile {
         Some(tile) => Skylines::Decoded(tile),
-        None => {
-            let held = needed_blocks(level, &areas);
-            check_memory(&args, held.len())?;
-            bars.begin("horizons", settings.azimuths, "azimuths");
-            Skylines::Swept(Swept::new(face, 0, &settings, held, &heard)?)
-        }
+        None => Skylines::Swept(swept(&args, face, &settings, needed_blocks(level, &areas), &bars)?),
     };
     let swept_s = start.elapsed().as_secs_f64();
 
     bars.begin("illumination", 0, "strips");
     let start = Instant::now();
     let study = Study { face, level: 0, skylines: &skylines, track: &track, disk: &disk, lit: args.lit, areas: &areas };
-    let (maps, all_series) = study.run(&heard);
+    let (maps, all_series) = study.run(&on_progress);
     let seconds = start.elapsed().as_secs_f64();
     places.iter_mut().for_each(|named| named.node = nearest(&face.map, level, body, named.at));
     places.extend(look.best(&maps));
     let check = (args.check > 0).then(|| Traced::of(&study, body, &look.tracer, args.check).check(&maps));
     bars.clear();
 
-    let lots: Vec<Lot> = named
-        .iter()
-        .zip(&areas)
-        .zip(all_series)
-        .map(|((named, counts), series)| {
-            let summary = AreaSummary::of(&maps, counts, &series, track.step_h());
-            Lot { name: named.name.clone(), series, summary }
-        })
-        .collect();
+    let results = results::of_areas(&named, &areas, all_series, &maps, &track);
     let samples = maps.lit_share.iter().filter(|share| share.is_finite()).count() as f64 * track.steps() as f64;
-    let findings = Findings {
+    let findings = IlluminationReport {
         title: format!("Illumination from {} to {}", args.from, args.until),
         notes: notes(&args, &track, tile.as_ref(), [swept_s, seconds], samples),
         track: &track,
         maps: &maps,
         node_m2: level.posting_m * level.posting_m,
-        areas: &lots,
+        areas: &results,
         places: &places,
         check,
     };
     let report = findings.report()?;
     maps.write(&face.map, level, &args.output.join("illumination.tif"))?;
-    for (index, lot) in lots.iter().enumerate() {
-        write(&args.output, &format!("area_{}.csv", index + 1), &series::of_area(&track, &lot.series))?;
-    }
-    for (index, named) in places.iter().enumerate() {
-        write(&args.output, &format!("place_{}.csv", index + 1), &series::of_place(&track, &named.moments))?;
-    }
+    results::write(&args.output, &track, &results, &places)?;
     report.write(&args.output)?;
     if args.json {
-        let report = report.json();
-        return Ok(say(format_args!("{:#}", json!({ "report": report, "seconds": seconds, "samples": samples })))?);
+        let all = json!({ "report": report.json(), "seconds": seconds, "samples": samples });
+        return Ok(print_line(format_args!("{all:#}"))?);
     }
-    Ok(say(report.text())?)
+    Ok(print_line(report.text())?)
 }
 
-fn write(directory: &Path, name: &str, text: &str) -> Result<(), dataset::DatasetError> {
-    dataset::write_whole(&directory.join(name), text.as_bytes())
+/// The map that is studied, of a sphere.
+fn one_map(ground: &Ground) -> Result<(&Face, &Body), String> {
+    let [face] = &ground.surface.terrain.faces[..] else {
+        return Err("illumination is mapped over one map; pass elevation models without --cube".into());
+    };
+    let body = &ground.surface.terrain.body;
+    if !body.is_sphere() {
+        return Err(format!("{} is a spheroid; pass --radius M for the sphere of its map", body.name));
+    }
+    Ok((face, body))
 }
 
 /// The node nearest to a place; `None` where no skylines are sought.
@@ -244,8 +229,22 @@ fn tile(args: &Args, ground: &Ground, settings: Settings, bars: &Bars) -> Result
     let (face, body) = (&ground.surface.terrain.faces[0], &ground.surface.terrain.body);
     let request = Request { body, face, level: 0, settings, encoding };
     bars.begin("horizons", settings.azimuths, "azimuths");
-    let heard = |done: usize, total: usize| bars.at(done, total);
-    horizon::open_or_build(&request, &args.cache.join("horizon"), horizon::Memory::default(), &heard).map(Some)
+    let on_progress = |done: usize, total: usize| bars.at(done, total);
+    horizon::open_or_build(&request, &args.cache.join("horizon"), horizon::Memory::default(), &on_progress).map(Some)
+}
+
+/// Skylines swept for the blocks that are needed.
+fn swept(
+    args: &Args,
+    face: &Face,
+    settings: &Settings,
+    held: Vec<usize>,
+    bars: &Bars,
+) -> Result<Swept, Box<dyn std::error::Error>> {
+    check_memory(args, held.len())?;
+    bars.begin("horizons", settings.azimuths, "azimuths");
+    let on_progress = |done: usize, total: usize| bars.at(done, total);
+    Ok(Swept::new(face, 0, settings, held, &on_progress)?)
 }
 
 fn check_memory(args: &Args, blocks: usize) -> Result<(), String> {
@@ -270,14 +269,14 @@ struct Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    fn named(&self, name: String, at: Geodetic, node: Option<usize>, place: Place<'a>) -> Named<'a> {
+    fn named(&self, name: String, at: Geodetic, node: Option<usize>, place: Place<'a>) -> PlaceResult<'a> {
         let moments = place.moments(self.track, self.disk, self.args.lit);
         let summary = Summary::of(&moments, self.track.step_h());
-        Named { name, at, node, place, moments, summary }
+        PlaceResult { name, at, node, place, moments, summary }
     }
 
     /// A place that was asked for.
-    fn at(&self, at: Geodetic) -> Result<Named<'a>, String> {
+    fn at(&self, at: Geodetic) -> Result<PlaceResult<'a>, String> {
         let name = format!("{:.5},{:.5}", at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees());
         let (face, body) = (&self.ground.surface.terrain.faces[0], &self.ground.surface.terrain.body);
         let place = Place::new(body, &face.map, &self.tracer, at)
@@ -286,7 +285,7 @@ impl<'a> Look<'a> {
     }
 
     /// The best nodes of the map.
-    fn best(&self, maps: &Maps) -> Vec<Named<'a>> {
+    fn best(&self, maps: &Maps) -> Vec<PlaceResult<'a>> {
         let (face, body) = (&self.ground.surface.terrain.faces[0], &self.ground.surface.terrain.body);
         let level = &face.levels[0];
         let nights: Vec<f32>;

@@ -1,6 +1,6 @@
 //! Horizons printed by other programs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use glam::DVec2;
@@ -10,16 +10,7 @@ use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::terrain::Level;
 
 use super::scene::{face, flat_map, level, lunar_map};
-
-fn data(file: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("SIM_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let path = root.join(file);
-    if !path.exists() {
-        println!("skipped: {} is absent", path.display());
-    }
-    path.exists().then_some(path)
-}
+use crate::fixtures::data;
 
 /// A 1000 m wall everywhere beyond 5000 m, on a sphere of 6371 km: GRASS and the closed form of its distance.
 #[test]

@@ -1,7 +1,5 @@
 //! Small terrains for the horizon tests.
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec2;
 use perilune_bench::scenes::Scene;
 use perilune_engine::geometry::{Body, Geodetic};
@@ -9,6 +7,8 @@ use perilune_engine::horizon::Settings;
 use perilune_engine::horizon::axis::Major;
 use perilune_engine::horizon::sweep::Sweep;
 use perilune_engine::terrain::{Face, Gnomonic, Level};
+
+use crate::fixtures::data_folder;
 
 /// A lunar map about the south pole.
 pub fn lunar_map() -> Gnomonic {
@@ -138,9 +138,7 @@ pub fn swept(face: &Face, level: usize, settings: &Settings, direction: DVec2) -
 
 /// The connecting ridge within the polar cap, where its elevation models are.
 pub fn connecting_ridge() -> Option<Scene> {
-    let root = std::env::var_os("SIM_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let scene = Scene::connecting_ridge(&[root]).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::connecting_ridge(&[data_folder()]).unwrap_or_else(|error| panic!("{error}"));
     if scene.is_none() {
         println!("skipped: the elevation models of the connecting ridge are absent");
     }

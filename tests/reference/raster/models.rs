@@ -1,11 +1,11 @@
 //! Models of elevation in closed form, and what else the tests share.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Body, Geodetic};
-use perilune_engine::raster::{Band, Dem, GeoTiff, Options};
+use perilune_engine::raster::{Dem, GeoTiff, GeoTiffBand, Options};
 
 pub const R: f64 = 1_737_400.0;
 
@@ -116,7 +116,7 @@ impl Model {
 }
 
 pub fn write(path: &Path, columns: usize, rows: usize, crs: &str, geotransform: [f64; 6], values: &[f32]) {
-    let bands = vec![Band { name: "height", unit: "m", values }];
+    let bands = vec![GeoTiffBand { name: "height", unit: "m", values }];
     GeoTiff { columns, rows, bands, crs, geotransform }.write(path).unwrap();
 }
 
@@ -126,16 +126,6 @@ pub fn gdal(program: &str, arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
-pub fn data(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("SIM_DATA")
-        .map_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into(), PathBuf::from);
-    let path = folder.join("dem").join(name);
-    if !path.exists() {
-        eprintln!("skipped: no {name}");
-    }
-    path.exists().then_some(path)
-}
-
 pub fn open(path: &Path) -> Dem {
     Dem::open(path, &Body::moon(), &Options::default()).unwrap()
 }
@@ -143,8 +133,4 @@ pub fn open(path: &Path) -> Dem {
 pub fn height_at(dem: &Dem, latitude_deg: f64, longitude_deg: f64) -> f64 {
     let point = Body::moon().position_from_geodetic(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0));
     dem.height_m(dem.georeference.projector().unwrap().pixels(&[point])[0])
-}
-
-pub fn mars() -> Body {
-    Body { name: "mars".into(), naif_id: 499, equatorial_radius_m: 3_396_190.0, polar_radius_m: 3_376_200.0 }
 }

@@ -7,11 +7,12 @@ use perilune_engine::terrain::build::MAX_NODES_PER_SIDE;
 use perilune_engine::terrain::{NestedDem, build_cube, build_face};
 
 use super::models::*;
+use crate::fixtures::data;
 
 /// Against `gdallocationinfo`, which reads the pixel under a latitude and longitude.
 #[test]
 fn site01_heights_are_what_gdallocationinfo_reads() {
-    let Some(path) = data("site01_connecting_ridge_10m_1600.tif") else { return };
+    let Some(path) = data("dem/site01_connecting_ridge_10m_1600.tif") else { return };
     let dem = open(&path);
     for (column, row) in [(10, 20), (800, 800), (333, 1444), (1590, 7), (1200, 640)] {
         let centre = DVec2::new(f64::from(column), f64::from(row));
@@ -57,25 +58,25 @@ fn site01_nests_in_the_polar_cap_and_the_cap_in_the_globe() {
 
 #[test]
 fn gale_builds_on_a_spheroid() {
-    let Some(path) = data("mars_gale_hirise_1m_348x337.tif") else { return };
-    let dem = Dem::open(&path, &mars(), &Options::default()).unwrap();
+    let Some(path) = data("dem/mars_gale_hirise_1m_348x337.tif") else { return };
+    let dem = Dem::open(&path, &Body::mars(), &Options::default()).unwrap();
     let middle = DVec2::new(174.0, 168.0);
-    let centre = mars().geodetic_from_position(dem.points(&mars(), &[middle]).unwrap()[0]);
-    let (face, errors) = build_face(&mars(), centre, &[NestedDem::whole(&dem)], MAX_NODES_PER_SIDE).unwrap();
+    let centre = Body::mars().geodetic_from_position(dem.points(&Body::mars(), &[middle]).unwrap()[0]);
+    let (face, errors) = build_face(&Body::mars(), centre, &[NestedDem::whole(&dem)], MAX_NODES_PER_SIDE).unwrap();
     let level = &face.levels[0];
     eprintln!("{} x {} at {}, {errors:?}", level.columns, level.rows, level.posting_m);
     assert_eq!((level.columns, level.rows), (346, 335), "348 columns shrink by cos 4.67 deg");
     assert!(level.heights_m.iter().all(|height| (-5000.0..-4000.0).contains(height)));
     assert!(errors[0].rms_m < 0.1, "{errors:?}");
     let node = face.map.body_from_lifted(level.lifted_node(level.columns / 2, level.rows / 2));
-    let there = mars().geodetic_from_position(node);
+    let there = Body::mars().geodetic_from_position(node);
     let pixel = dem.georeference.projector().unwrap().pixels(&[node])[0];
     assert!((there.height_m - dem.height_m(pixel)).abs() < 1e-3, "{there:?}");
 }
 
 #[test]
 fn the_global_model_builds_a_cube() {
-    let Some(path) = data("moon_gld100_16ppd_global.tif") else { return };
+    let Some(path) = data("dem/moon_gld100_16ppd_global.tif") else { return };
     let options = Options { posting_m: Some(8000.0), ..Options::default() };
     let dem = Dem::open(&path, &Body::moon(), &options).unwrap();
     let centre = Geodetic::from_degrees(-89.0, 10.0, 0.0);

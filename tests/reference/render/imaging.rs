@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec2, DVec3};
 use libm::erf;
-use perilune_engine::camera::{Camera as Optics, Pose, PosedCamera, Psf, Shutter, Spread};
+use perilune_engine::camera::{Camera as Optics, Pose, PosedCamera, Psf, PsfComponent, Shutter};
 use perilune_engine::geometry::{Body, Position, Rotation};
 use perilune_engine::quantity::LUNAR_RADIUS_M;
 use perilune_engine::render::{Ambient, Imaging, Quantity, Renderer, Scene, Timing, View};
@@ -137,7 +137,7 @@ fn a_rolling_shutter_shears_an_upright_edge() {
 #[test]
 fn the_limb_through_a_gaussian_is_the_error_function() {
     let sigma_px = 2.0;
-    let psf = Psf::new(&[Spread::Gaussian { sigma_px }], None, 8).unwrap();
+    let psf = Psf::new(&[PsfComponent::Gaussian { sigma_px }], None, 8).unwrap();
     let camera = camera(48, 4, 8, &[Quantity::Radiance, Quantity::Hit]);
     let imaging = imaging(4, Shutter::Global, 1, Some(psf));
     for (renderer, planes) in taken(&camera, &imaging, 0.0, limb) {
@@ -158,7 +158,7 @@ fn the_limb_through_a_gaussian_is_the_error_function() {
 /// What lies beyond the image's edge sends its light into it: a part of an image is what the image has there.
 #[test]
 fn a_part_of_a_blurred_image_is_what_the_whole_has_there() {
-    let psf = Psf::new(&[Spread::Disc { diameter_px: 7.0 }], None, 2).unwrap();
+    let psf = Psf::new(&[PsfComponent::Disc { diameter_px: 7.0 }], None, 2).unwrap();
     let whole = camera(40, 12, 2, &[Quantity::Radiance, Quantity::Range]);
     let part = whole.clone().with_optics(whole.optics.part([15, 3], 10, 6));
     let [whole, part] = [(&whole, 12), (&part, 6)]

@@ -16,7 +16,7 @@ use perilune_engine::horizon::header::Header;
 use perilune_engine::horizon::store;
 use perilune_engine::horizon::sweep::Sweep;
 use perilune_engine::horizon::{Encoding, HorizonMap, Request, Settings};
-use perilune_engine::report::statistics::Errors;
+use perilune_engine::statistics::Errors;
 
 /// Elevation of the Suns of the images whose similarity is measured, the first of them and every how many one is: between
 /// the azimuths that the sampled encodings hold, multiples of 22.5°, 30° and 45°.
@@ -37,7 +37,7 @@ pub struct Patch {
 impl Patch {
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let level = &scene.face.levels[0];
-        let (columns, rows) = (level.columns - 2 * level.margin, level.rows - 2 * level.margin);
+        let [columns, rows] = level.seen_size();
         let mut planes = Vec::new();
         for major in [Major::Row, Major::Column] {
             let sweep = Sweep::new(&scene.face, 0, major, settings);

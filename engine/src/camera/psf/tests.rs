@@ -20,15 +20,18 @@ fn point(psf: &Psf, size: usize, place: f64) -> Vec<f32> {
     response(psf, [size, size], |x, y| f64::from(u8::from((x - place).abs() < step && (y - place).abs() < step)))
 }
 
-const ALL: [Spread; 3] =
-    [Spread::Gaussian { sigma_px: 0.8 }, Spread::Airy { cutoff_px: 0.7 }, Spread::Disc { diameter_px: 2.6 }];
+const ALL: [PsfComponent; 3] = [
+    PsfComponent::Gaussian { sigma_px: 0.8 },
+    PsfComponent::Airy { cutoff_px: 0.7 },
+    PsfComponent::Disc { diameter_px: 2.6 },
+];
 
 /// Of `n²` rays each carries `1/n²`. Weights are f32: 1e-6.
 #[test]
 fn every_rays_light_is_kept() {
     for side in [1, 2, 3, 4] {
         for spread in ALL {
-            let psf = Psf::new(&[spread, Spread::Gaussian { sigma_px: 0.3 }], None, side).unwrap();
+            let psf = Psf::new(&[spread, PsfComponent::Gaussian { sigma_px: 0.3 }], None, side).unwrap();
             let size = 2 * psf.reach + 3;
             for ray in 0..side {
                 let place = psf.reach as f64 + 1.0 + (ray as f64 + 0.5) / side as f64 - 0.5;
@@ -45,7 +48,7 @@ fn every_rays_light_is_kept() {
 #[test]
 fn a_step_through_a_gaussian_is_the_error_function() {
     for (side, sigma_px) in [(1, 1.2), (2, 0.6), (2, 1.5), (4, 0.35), (8, 0.6)] {
-        let psf = Psf::new(&[Spread::Gaussian { sigma_px }], None, side).unwrap();
+        let psf = Psf::new(&[PsfComponent::Gaussian { sigma_px }], None, side).unwrap();
         let seen = response(&psf, [17, 3], |x, _| f64::from(u8::from(x > 8.5)));
         let below = |x: f64| {
             let z = x / sigma_px;
@@ -66,7 +69,7 @@ fn a_step_through_a_gaussian_is_the_error_function() {
 /// `c` wide cut the ring's edge, where it is dark.
 #[test]
 fn the_first_dark_ring_of_airys_pattern_holds_83_8_percent() {
-    let psf = Psf::new(&[Spread::Airy { cutoff_px: 8.0 }], None, 1).unwrap();
+    let psf = Psf::new(&[PsfComponent::Airy { cutoff_px: 8.0 }], None, 1).unwrap();
     assert!((psf.cut_off - 2.0 / (6.0 * PI * PI)).abs() < 2e-3, "48 px are 6 c: {}", psf.cut_off);
     let size = 2 * psf.reach + 1;
     let light = point(&psf, size, psf.reach as f64);
@@ -77,14 +80,14 @@ fn the_first_dark_ring_of_airys_pattern_holds_83_8_percent() {
         let got = inside * (1.0 - psf.cut_off);
         assert!((got - share).abs() < 0.002, "{ring}: {got}");
     }
-    let encircled = Spread::Airy { cutoff_px: 1.0 }.encircled(3.8317 / PI);
+    let encircled = PsfComponent::Airy { cutoff_px: 1.0 }.encircled(3.8317 / PI);
     assert!((encircled - 0.8378).abs() < 1e-4, "{encircled}");
 }
 
 /// Mean squares add: those of the spreads, and 1/12 of the pixel (Sheppard). A disc's is d²/16 along an axis.
 #[test]
 fn mean_squares_of_spreads_add() {
-    let (gaussian, disc) = (Spread::Gaussian { sigma_px: 0.9 }, Spread::Disc { diameter_px: 3.0 });
+    let (gaussian, disc) = (PsfComponent::Gaussian { sigma_px: 0.9 }, PsfComponent::Disc { diameter_px: 3.0 });
     for (spreads, expected) in [(vec![gaussian], 0.81), (vec![gaussian, disc], 0.81 + 9.0 / 16.0)] {
         let psf = Psf::new(&spreads, None, 1).unwrap();
         let size = 2 * psf.reach + 1;
@@ -99,7 +102,7 @@ fn mean_squares_of_spreads_add() {
 /// The middle of a disc of 21 pixels is even: 4/(π 21²) a pixel.
 #[test]
 fn a_point_out_of_focus_is_an_even_disc() {
-    let psf = Psf::new(&[Spread::Disc { diameter_px: 21.0 }], None, 1).unwrap();
+    let psf = Psf::new(&[PsfComponent::Disc { diameter_px: 21.0 }], None, 1).unwrap();
     let size = 2 * psf.reach + 1;
     let light = point(&psf, size, psf.reach as f64);
     let expected = 4.0 / (PI * 21.0 * 21.0);
@@ -133,7 +136,7 @@ fn without_a_spread_pixels_are_means_of_their_rays() {
 /// What has no value lends nothing: even light stays even about it.
 #[test]
 fn a_pixel_without_a_value_leaves_its_neighbours_theirs() {
-    let psf = Psf::new(&[Spread::Gaussian { sigma_px: 1.0 }], None, 2).unwrap();
+    let psf = Psf::new(&[PsfComponent::Gaussian { sigma_px: 1.0 }], None, 2).unwrap();
     let hole = |x: f64, y: f64| if (x - 3.0).abs() < 0.5 && (y - 2.0).abs() < 0.5 { f64::NAN } else { 7.0 };
     let seen = response(&psf, [7, 5], hole);
     for (index, got) in seen.iter().enumerate() {
@@ -143,6 +146,6 @@ fn a_pixel_without_a_value_leaves_its_neighbours_theirs() {
 
 #[test]
 fn impossible_spreads_are_named() {
-    let error = Psf::new(&[Spread::Gaussian { sigma_px: 40.0 }], None, 1).unwrap_err();
+    let error = Psf::new(&[PsfComponent::Gaussian { sigma_px: 40.0 }], None, 1).unwrap_err();
     assert_eq!(error.to_string(), "psf sigma = 40 is outside [0.05, 12] px");
 }

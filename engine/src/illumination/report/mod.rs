@@ -1,8 +1,10 @@
 //! Illumination of areas and places as tables, plots, pictures and series.
 
-pub mod findings;
 mod pictures;
 mod plots;
+mod results;
 pub mod series;
+mod summary;
 
-pub use findings::{Findings, Lot, Named};
+pub use results::{AreaResult, PlaceResult};
+pub use summary::IlluminationReport;

@@ -1,6 +1,6 @@
 //! The sky of a place, and the light of an area by time.
 
-use super::findings::{Lot, Named};
+use super::results::{AreaResult, PlaceResult};
 use crate::illumination::Track;
 use crate::report::plot::{Axis, Curve, Plot};
 
@@ -8,7 +8,7 @@ use crate::report::plot::{Axis, Curve, Plot};
 const BINS: usize = 400;
 
 /// The skyline of a place with what the Sun's centre covers of its sky.
-pub fn sky(named: &Named) -> Plot {
+pub fn sky(named: &PlaceResult) -> Plot {
     let deg = |angle_rad: f64| angle_rad.to_degrees();
     let skyline = named.place.skyline().map(|[azimuth_rad, elevation_rad]| [deg(azimuth_rad), deg(elevation_rad)]);
     let mut highest = vec![f64::NEG_INFINITY; 360];
@@ -36,7 +36,7 @@ pub fn sky(named: &Named) -> Plot {
 }
 
 /// Share of an area that is lit, and mean share of the disc.
-pub fn area(lot: &Lot, track: &Track) -> Plot {
+pub fn area(result: &AreaResult, track: &Track) -> Plot {
     let steps = track.steps();
     let bin = steps.div_ceil(BINS);
     let days = |first: usize, last: usize| (first + last) as f64 / 2.0 * track.step_h() / 24.0;
@@ -48,18 +48,20 @@ pub fn area(lot: &Lot, track: &Track) -> Plot {
         Curve { name: name.into(), points: series.chunks(bin).enumerate().map(point).collect(), joined: true }
     };
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let mut curves =
-        vec![curve("lit", &lot.series.lit_share, &mean), curve("share of the disc", &lot.series.disc_share, &mean)];
+    let mut curves = vec![
+        curve("lit", &result.series.lit_share, &mean),
+        curve("share of the disc", &result.series.disc_share, &mean),
+    ];
     if bin > 1 {
         let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        curves.push(curve("lit, least", &lot.series.lit_share, &least));
-        curves.push(curve("lit, most", &lot.series.lit_share, &most));
+        curves.push(curve("lit, least", &result.series.lit_share, &least));
+        curves.push(curve("lit, most", &result.series.lit_share, &most));
     }
     let span =
         if bin > 1 { format!(", means of {:.1} days", bin as f64 * track.step_h() / 24.0) } else { String::new() };
     Plot {
-        title: format!("Light of {}{span}", lot.name),
+        title: format!("Light of {}{span}", result.name),
         x: Axis::linear("days from the first step"),
         y: Axis::linear("share of the area [%]"),
         curves,

@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::{Checks, Globe};
-use crate::dataset::atomic;
+use crate::dataset::disk;
 use crate::horizon::{Encoding, ErrorStatistics, Settings, TileErrors};
 use crate::pipeline::Error;
 use crate::terrain::GlobalDem;
@@ -162,7 +162,7 @@ impl Index {
         if !path.exists() {
             return Ok(None);
         }
-        let text = atomic::read(path)?;
+        let text = disk::read(path)?;
         let index = serde_json::from_slice(&text);
         Ok(Some(index.map_err(|source| Error::Index { path: path.into(), source })?))
     }
@@ -170,7 +170,7 @@ impl Index {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         super::make_room(path)?;
         let text = serde_json::to_string_pretty(self).expect("an index is plain data");
-        Ok(atomic::write(path, format!("{text}\n").as_bytes())?)
+        Ok(disk::write(path, format!("{text}\n").as_bytes())?)
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Camera {
     pub vignetting: Option<Vignetting>,
     /// What spreads the light of a point over pixels, one after the other. Default: nothing.
     #[schemars(length(max = 8))]
-    pub psf: Option<Vec<Spread>>,
+    pub psf: Option<Vec<PsfComponent>>,
     /// When rows are exposed. Default: all at once.
     pub shutter: Option<Shutter>,
     /// Rays a pixel is averaged over: a square number.
@@ -185,7 +185,7 @@ pub enum Vignetting {
 /// What spreads the light of a point. Energy is kept; light from beyond the image's edges is rendered and falls into it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub enum Spread {
+pub enum PsfComponent {
     /// A bell.
     Gaussian {
         /// Its standard deviation along an axis, in pixels.

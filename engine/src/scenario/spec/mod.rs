@@ -1,8 +1,10 @@
 //! The scenario file, field by field. Documents and ranges below become `sim schema`.
 
 mod camera;
+mod light;
 mod output;
 mod shadows;
+mod surface;
 mod sweep;
 mod view;
 mod world;
@@ -10,19 +12,19 @@ mod world;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::raster::Values;
 use crate::render::ViewRays;
 
 pub use camera::{
-    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, Shutter, Spread, Vignetting,
+    AutoExposure, Camera, Correction, Distortion, First, Preset, PrincipalPoint, PsfComponent, Shutter, Vignetting,
 };
+pub use light::{Ambient, Bounce, Disc, Earthshine, FixedSun, LimbLaw, Sky, Spectrum, Sun};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use shadows::Shadows;
+pub use surface::{Albedo, Photometry, Surface};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
-pub use world::{
-    Albedo, Ambient, Body, Bounce, Centre, DEFAULT_AZIMUTHS, Dem, Disc, Earthshine, FixedSun, Horizon, LimbLaw,
-    Photometry, Sky, Spectrum, Sun, Surface, Terrain, Values,
-};
+pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, Terrain};
 
 /// A scenario: a body and its terrain, a Sun, a camera on its way, and what to write.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -102,4 +104,8 @@ pub struct Spec {
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,
+}
+
+fn one() -> f64 {
+    1.0
 }

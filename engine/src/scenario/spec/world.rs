@@ -1,9 +1,10 @@
-//! Body, terrain, horizon, surface and Sun, as written.
+//! Body, terrain and horizon, as written.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::horizon::Encoding;
+use crate::raster::Values;
 
 /// The body that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -109,7 +110,7 @@ pub enum Dem {
         #[serde(default)]
         seed: u64,
         /// Craters per area, in units of the equilibrium density.
-        #[serde(default = "one")]
+        #[serde(default = "super::one")]
         #[schemars(range(min = 0.0, max = 10.0))]
         craters: f64,
         /// Boulders of more than 1 m; their number falls with the cube of their size, up to 10 m.
@@ -146,7 +147,7 @@ pub enum Dem {
         #[serde(default)]
         tiles: Option<String>,
         /// Detail ends where nodes are seen closer than this.
-        #[serde(default = "one")]
+        #[serde(default = "super::one")]
         #[schemars(range(min = 0.1, max = 100.0))]
         posting_px: f64,
         /// Where more tiles than this would be needed, detail ends sooner. A tile takes some 5 MB.
@@ -158,18 +159,6 @@ pub enum Dem {
 
 fn default_most_tiles() -> u32 {
     96
-}
-
-/// What the numbers of an elevation model are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum Values {
-    /// Heights, or radii where the numbers are near the body's radius.
-    #[default]
-    Auto,
-    /// Heights above the file's own ellipsoid.
-    Height,
-    /// Distances from the body's centre.
-    Radius,
 }
 
 /// How horizons are computed.
@@ -210,274 +199,4 @@ pub const DEFAULT_AZIMUTHS: u32 = 360;
 
 fn default_azimuths() -> u32 {
     DEFAULT_AZIMUTHS
-}
-
-fn default_level_step() -> u32 {
-    4
-}
-
-fn default_level_offset() -> f64 {
-    2.0
-}
-
-/// How the ground reflects light.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Surface {
-    /// The reflectance model.
-    #[serde(default)]
-    pub photometry: Photometry,
-    /// Brightness of the ground. Default: 0.12, and 1 for the Hapke models, whose reflectance it multiplies.
-    #[serde(default)]
-    pub albedo: Option<Albedo>,
-}
-
-/// The reflectance model.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Photometry {
-    /// Equal radiance in all directions.
-    Lambert,
-    /// Single scattering of a dark, half-infinite medium.
-    LommelSeeliger,
-    /// McEwen's mixture of the two with the Moon's phase function.
-    #[default]
-    LunarLambert,
-    /// Radiance falls with the incidence as a power of its cosine. Not beyond 80° of emission, where it diverges.
-    Minnaert {
-        /// 1 is Lambert's law.
-        #[schemars(range(min = 0.5, max = 1.5))]
-        k: f64,
-    },
-    /// Akimov's law, found on the Moon: flat at full phase, falling towards terminator and poles.
-    Akimov {
-        /// How fast light falls towards the poles of the photometric system: 1 is the law without a parameter.
-        #[serde(default = "one")]
-        #[schemars(range(min = 0.0, max = 2.0))]
-        eta: f64,
-    },
-    /// Hapke's model with the parameters of the Moon at 566 nm (Sato et al. 2014).
-    HapkeMoon,
-    /// Hapke's model with parameters of Mars in red light (Kirk & Johnson, in USGS ISIS).
-    HapkeMars,
-    /// Hapke's model with parameters of Mercury at 554 nm (Warell & Valegård 2006).
-    HapkeMercury,
-    /// Hapke's model.
-    Hapke {
-        /// Single-scattering albedo.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        w: f64,
-        /// Width of the two lobes of the particle phase function.
-        #[schemars(range(min = 0.0, max = 0.999))]
-        b: f64,
-        /// Weight of the backward lobe: 1 is all backward, -1 all forward.
-        #[schemars(range(min = -1.3, max = 1.3))]
-        c: f64,
-        /// Amplitude of the shadow-hiding opposition surge.
-        #[serde(default)]
-        #[schemars(range(min = 0.0, max = 10.0))]
-        bs0: f64,
-        /// Angular width of the shadow-hiding opposition surge.
-        #[serde(default = "default_surge_width")]
-        #[schemars(range(min = 1e-4, max = 10.0))]
-        hs: f64,
-        /// Amplitude of coherent backscatter.
-        #[serde(default)]
-        #[schemars(range(min = 0.0, max = 10.0))]
-        bc0: f64,
-        /// Angular width of coherent backscatter.
-        #[serde(default = "default_surge_width")]
-        #[schemars(range(min = 1e-4, max = 10.0))]
-        hc: f64,
-        /// Mean slope of the roughness that no pixel resolves.
-        #[serde(default)]
-        #[schemars(range(min = 0.0, max = 60.0))]
-        theta_bar_deg: f64,
-        /// Filling factor: the share of volume that grains take.
-        #[serde(default)]
-        #[schemars(range(min = 0.0, max = 0.75))]
-        phi: f64,
-    },
-}
-
-/// Without an amplitude the width has no effect; it only has to keep the surge finite.
-fn default_surge_width() -> f64 {
-    0.1
-}
-
-/// Brightness of the ground.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Albedo {
-    /// The same everywhere.
-    Constant(#[schemars(range(min = 0.0, max = 1.0))] f64),
-    /// From a georeferenced raster.
-    Map {
-        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
-        path: String,
-    },
-    /// The single-scattering albedo w of a Hapke model from a georeferenced raster, instead of the model's own.
-    SingleScattering {
-        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
-        path: String,
-    },
-}
-
-/// The Sun.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Sun {
-    /// Brightness across the disc.
-    pub disc: Disc,
-    /// The Sun's spectrum, from which follows the light in the camera's band. Default: Tsis1Hsrs where the camera has a
-    /// band; without one all of sunlight, 1361 W m-2 (IAU 2015 B3).
-    pub spectrum: Option<Spectrum>,
-    /// Irradiance at 1 au in the camera's band, instead of a spectrum.
-    #[schemars(range(min = 0.0, max = 1e6))]
-    pub irradiance_w_m2: Option<f64>,
-    /// Lets the Earth hide the Sun from the Moon during a lunar eclipse. One share holds for the whole scene.
-    pub eclipses: bool,
-    /// Holds the Sun still in the sky of the terrain's centre, whatever the epoch: for tests and studies.
-    pub fixed: Option<FixedSun>,
-}
-
-impl Default for Sun {
-    fn default() -> Self {
-        Self { disc: Disc::default(), spectrum: None, irradiance_w_m2: None, eclipses: true, fixed: None }
-    }
-}
-
-/// A table of the Sun's spectral irradiance at 1 au.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Spectrum {
-    /// TSIS-1 Hybrid Solar Reference Spectrum, version 2: 350 to 2500 nm, 0.3 %.
-    Tsis1Hsrs,
-    /// ASTM E490: 119.5 nm to 1 mm, scaled to 1366.1 W m-2.
-    E490,
-    /// A file of two columns: wavelength in nm, W m-2 nm-1.
-    Table(String),
-}
-
-/// Brightness across the solar disc.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Disc {
-    /// The same everywhere.
-    #[default]
-    Uniform,
-    /// Darker towards the limb, as measured at a wavelength.
-    LimbDarkened {
-        /// The wavelength. Default: the mean wavelength of sunlight in the camera's band.
-        #[serde(default)]
-        #[schemars(range(min = 300.0, max = 5000.0))]
-        wavelength_nm: Option<f64>,
-        /// Who measured it.
-        #[serde(default)]
-        law: LimbLaw,
-    },
-}
-
-/// A law of limb darkening.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum LimbLaw {
-    /// A power of the cosine (Hestroffer & Magnan 1998): 303 to 357 and 416 to 1099 nm.
-    #[default]
-    HestrofferMagnan,
-    /// A polynomial in the cosine (Neckel & Labs 1994): 303.327 to 1098.95 nm. Closer near the limb, slower.
-    NeckelLabs,
-}
-
-/// A Sun that does not move.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FixedSun {
-    /// Azimuth clockwise from north, at the terrain's centre.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub azimuth_deg: f64,
-    /// Elevation of the disc's centre above the horizontal plane, at the terrain's centre.
-    #[schemars(range(min = -90.0, max = 90.0))]
-    pub elevation_deg: f64,
-    /// Distance of the Sun.
-    #[serde(default = "one")]
-    #[schemars(range(min = 0.05, max = 100.0))]
-    pub range_au: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-/// Light that the Earth reflects onto the ground.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Earthshine {
-    /// Geometric albedo of the Earth.
-    #[serde(default = "earth_albedo")]
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub albedo: f64,
-}
-
-/// Geometric albedo of the Earth in the visible: 0.434 (Mallama et al. 2017, doi:10.1016/j.icarus.2016.09.023).
-fn earth_albedo() -> f64 {
-    0.434
-}
-
-/// Light from all of the sky, of the same radiance everywhere: scattered light, starlight, haze.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Ambient {
-    /// Radiance of the sky in the camera's band.
-    #[schemars(range(min = 0.0, max = 1e6))]
-    pub radiance_w_m2_sr: f64,
-    /// How much of the sky the ground sees.
-    #[serde(default)]
-    pub sky: Sky,
-}
-
-/// Sunlight that terrain reflects onto terrain, once, with form factors from horizon maps, which are made if shadows need none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Bounce {
-    /// Directions all round in which ground is looked for.
-    #[schemars(range(min = 4, max = 128))]
-    pub azimuths: u32,
-    /// Elevations between a point's own plane and its skyline in each of them.
-    #[schemars(range(min = 1, max = 8))]
-    pub elevations: u32,
-}
-
-impl Default for Bounce {
-    fn default() -> Self {
-        Self { azimuths: 32, elevations: 4 }
-    }
-}
-
-/// How much of the sky the ground sees.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Sky {
-    /// From horizon maps, which are made if shadows need none.
-    #[default]
-    Horizons,
-    /// From a multi-scale pyramid of heights and spherical harmonics (Snyder & Nowrouzezahrai 2008): no horizon maps.
-    Multiscale {
-        /// Images in each halving of the resolution.
-        #[serde(default = "default_level_step")]
-        #[schemars(range(min = 1, max = 16))]
-        level_step: u32,
-        /// Halvings by which images are finer than their distance: more is sharper.
-        #[serde(default = "default_level_offset")]
-        #[schemars(range(min = 0.0, max = 16.0))]
-        level_offset: f64,
-        /// Directions all round.
-        #[serde(default = "default_sky_azimuths")]
-        #[schemars(range(min = 4, max = 128))]
-        azimuths: u32,
-    },
-}
-
-/// 16 to 32 are published for light from all round.
-fn default_sky_azimuths() -> u32 {
-    16
 }

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::geometry::Body;
-use crate::scenario::{Places, resolve};
+use crate::scenario::{SearchPath, resolve};
 
 const RANGE: Axis = Axis::Range { from: 0.0, to: 1.0 };
 
@@ -90,7 +90,7 @@ fn scenario(sweep: &str) -> Scenario {
     sweep: ({sweep}),
 )"#
     );
-    let places = Places { beside: PathBuf::new(), data: Vec::new() };
+    let places = SearchPath { beside: PathBuf::new(), data: Vec::new() };
     resolve(Path::new("a.ron"), &text, &places, &|_| None).unwrap_or_else(|error| panic!("{error}"))
 }
 

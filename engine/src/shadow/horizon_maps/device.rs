@@ -154,8 +154,8 @@ impl NodesPass {
                 south_west_m: south_west_m.as_vec2().to_array(),
                 posting_m: level.posting_m as f32,
                 radius_m: radius_m as f32,
-                columns: (level.columns - 2 * level.margin) as u32,
-                rows: (level.rows - 2 * level.margin) as u32,
+                columns: level.seen_size()[0] as u32,
+                rows: level.seen_size()[1] as u32,
                 horizon_table: texels.table,
                 horizon: texels.pages,
                 ..NodesParameters::zeroed()

@@ -283,7 +283,7 @@ impl SkylineSource for Multiscale {
         light: &QuantizedLight,
     ) -> Result<Field, UnpreparedLight> {
         let (map, nodes) = (&surface.terrain.faces[face].map, &surface.terrain.faces[face].levels[level]);
-        let (columns, rows) = (nodes.columns - 2 * nodes.margin, nodes.rows - 2 * nodes.margin);
+        let [columns, rows] = nodes.seen_size();
         let half_rad = 0.5 * self.swath_rad;
         let skyline = |index: usize| {
             let point = nodes.lifted_node(index % columns + nodes.margin, index / columns + nodes.margin);

@@ -29,7 +29,7 @@ use super::craters::Field;
 use super::noise::{self, Noise};
 use super::{Crater, Error, Parameters, Projection, Raster, georeference};
 use crate::geometry::{Body, Geodetic};
-use crate::raster::{Band, Dem, GeoTiff, Georeference};
+use crate::raster::{Dem, GeoTiff, GeoTiffBand, Georeference};
 
 /// Times that means are taken off: what alternates from cell to cell loses a quarter each time.
 const ROUNDS: usize = 10;
@@ -179,7 +179,7 @@ pub fn continue_below(body: &Body, detail: &Detail, measured: &Dem) -> Result<Co
 
 impl Continued {
     pub fn write(&self, path: &std::path::Path) -> Result<(), Error> {
-        let bands = vec![Band { name: "height", unit: "m", values: &self.heights_m }];
+        let bands = vec![GeoTiffBand { name: "height", unit: "m", values: &self.heights_m }];
         let Self { columns, rows, geotransform, .. } = *self;
         Ok(GeoTiff { columns, rows, bands, crs: &self.crs, geotransform }.write(path)?)
     }

@@ -69,7 +69,7 @@ impl<'a> Lines<'a> {
     /// Columns and rows of the seen nodes.
     pub fn seen(&self) -> (usize, usize) {
         let level = self.levels[0].level;
-        (level.columns - 2 * level.margin, level.rows - 2 * level.margin)
+        level.seen_size().into()
     }
 
     /// Lifted point of the ground at a seen node.

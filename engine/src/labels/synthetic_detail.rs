@@ -14,13 +14,13 @@ use crate::terrain::{Face, Ground, Hit, Surface};
 
 /// Over the whole made-up level.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Invented {
+pub struct SyntheticDetail {
     pub rms_m: f64,
     pub share_of_squared_slope: f64,
 }
 
 /// Height of made-up ground over the measured, at a hit; 0 on measured ground, where `levels` of the first face are made up.
-pub fn invented_height_m(surface: &Surface, levels: usize, hit: &Hit) -> f64 {
+pub fn synthetic_detail_height_m(surface: &Surface, levels: usize, hit: &Hit) -> f64 {
     match hit.ground {
         Ground::Dem { face, level, lifted } if level < levels => {
             let face = &surface.terrain.faces[face];
@@ -38,7 +38,7 @@ fn measured_m(face: &Face, levels: usize, at_m: DVec2) -> f64 {
 }
 
 /// `None` where no level is made up.
-pub fn invented(surface: &Surface, levels: usize) -> Option<Invented> {
+pub fn synthetic_detail(surface: &Surface, levels: usize) -> Option<SyntheticDetail> {
     let face = surface.terrain.faces.first()?;
     let finest = face.levels[..levels].first()?;
     let nodes = (0..finest.rows - 1).flat_map(|row| (0..finest.columns - 1).map(move |column| (column, row)));
@@ -57,5 +57,5 @@ pub fn invented(surface: &Surface, levels: usize) -> Option<Invented> {
         all_slopes += added + squared(&|heights_m| heights_m.1);
         count += 1.0;
     }
-    Some(Invented { rms_m: f64::sqrt(square / count), share_of_squared_slope: slopes / all_slopes })
+    Some(SyntheticDetail { rms_m: f64::sqrt(square / count), share_of_squared_slope: slopes / all_slopes })
 }

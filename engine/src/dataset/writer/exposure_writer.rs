@@ -12,7 +12,7 @@ use super::{
     ANIMATION_PIXELS, Exposure, LANDMARKS, MANIFEST, OVERLAY, Orthoimage, SEQUENCE_FILES, SHEET_PIXELS, Settings,
     Spent, pretty,
 };
-use crate::dataset::atomic::{self, PARTIAL};
+use crate::dataset::disk;
 use crate::dataset::error::DatasetError;
 use crate::dataset::format::Format;
 use crate::dataset::landmarks::{self, LandmarkFile};
@@ -20,57 +20,61 @@ use crate::dataset::manifest::PreviewScale;
 use crate::dataset::preview::{self, Thumbnail};
 use crate::dataset::record::{self, FileRecord, PlaneRecord, PreviewRecord, Record, SCHEMA_VERSION};
 use crate::dataset::{exr_file, fits_file, npz_file, png_file, sequences, tiff_file};
-use crate::raster::{Band, GeoTiff};
+use crate::files;
+use crate::raster::{GeoTiff, GeoTiffBand};
 use crate::render::{Image, Plane, Quantity};
 
 /// Planes of 1024² pixels for a sequence of 32.
-const KEPT_BYTES: usize = 256 << 20;
+const PREVIEW_BYTES: usize = 256 << 20;
 
 /// A preview reduced for the overviews.
-pub struct Dn {
+pub struct Thumbnails {
     pub frame: Thumbnail,
     pub sheet: Thumbnail,
 }
 
 /// Names, reads and writes the files of exposures.
 #[derive(Debug, Clone)]
-pub struct Desk {
+pub struct ExposureWriter {
     pub directory: PathBuf,
     pub key: String,
     pub settings: Settings,
-    pub kept: Kept,
+    pub previews: PreviewCache,
 }
 
 /// Planes that previews show, so that they need not be read again once their scale is known: as many as fit.
 #[derive(Debug, Clone, Default)]
-pub struct Kept(Arc<Mutex<BTreeMap<usize, Shown>>>);
+pub struct PreviewCache(Arc<Mutex<BTreeMap<usize, PreviewSource>>>);
 
 /// What a preview is made from.
 #[derive(Debug, Clone)]
-struct Shown {
+struct PreviewSource {
     size: [usize; 2],
     values: Vec<f32>,
     gaps: Option<Vec<f32>>,
 }
 
-impl Kept {
+impl PreviewCache {
     fn keep(&self, index: usize, image: &Image, records: &[PlaneRecord]) {
         let plane = |channel: &str| image.planes.iter().find(|plane| plane.name == channel);
         let Some(values) = preview::shown(records).and_then(|record| plane(&record.channel)) else { return };
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let bytes = (2 * size_of::<f32>()) * values.values.len();
-        if (kept.len() + 1) * bytes <= KEPT_BYTES {
+        if (kept.len() + 1) * bytes <= PREVIEW_BYTES {
             let gaps = plane(Quantity::DemGap.channels()[0]).map(|plane| plane.values.clone());
-            kept.insert(index, Shown { size: [image.columns, image.rows], values: values.values.clone(), gaps });
+            kept.insert(
+                index,
+                PreviewSource { size: [image.columns, image.rows], values: values.values.clone(), gaps },
+            );
         }
     }
 
-    fn take(&self, index: usize) -> Option<Shown> {
+    fn take(&self, index: usize) -> Option<PreviewSource> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(&index)
     }
 }
 
-impl Desk {
+impl ExposureWriter {
     pub fn name(&self, index: usize, extension: &str) -> String {
         format!("exposure_{index:04}.{extension}")
     }
@@ -80,7 +84,7 @@ impl Desk {
     }
 
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<FileRecord, DatasetError> {
-        atomic::write(&self.path(name), bytes)?;
+        disk::write(&self.path(name), bytes)?;
         Ok(FileRecord::of(name, bytes))
     }
 
@@ -89,7 +93,10 @@ impl Desk {
         let index = exposure.index;
         check(index, &exposure.image)?;
         let record_name = self.name(index, "json");
-        let _ = fs::remove_file(self.path(&record_name));
+        if self.finished(index).is_none() {
+            // Another run's record would vouch for this run's files. Two processes of one run write the same bytes.
+            let _ = fs::remove_file(self.path(&record_name));
+        }
         let start = Instant::now();
         let planes = record::planes(&exposure.image);
         let encoded = self.encoded(&exposure, &planes)?;
@@ -97,15 +104,14 @@ impl Desk {
         if let Some(orthoimage) = &exposure.orthoimage {
             files.push(self.write_orthoimage(&self.name(index, "ortho.tif"), orthoimage)?);
         }
-        self.kept.keep(index, &exposure.image, &planes);
+        self.previews.keep(index, &exposure.image, &planes);
         let facts = exposure.facts;
         let (schema_version, run_key) = (SCHEMA_VERSION.into(), self.key.clone());
         let record = Record { schema_version, run_key, facts, planes, preview: None, files };
         let encoded_by = Instant::now();
-        for (name, bytes) in &encoded {
-            atomic::write(&self.path(name), bytes)?;
-        }
-        atomic::write(&self.path(&record_name), &pretty(&record))?;
+        let record = (record_name.as_str(), pretty(&record));
+        let files = encoded.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+        disk::write_in_order(&self.directory, files.chain([(record.0, record.1.as_slice())]))?;
         spent.encoding += encoded_by - start;
         spent.writing += encoded_by.elapsed();
         Ok(())
@@ -160,7 +166,7 @@ impl Desk {
         if !path.is_file() {
             return Ok(None);
         }
-        serde_json::from_slice(&atomic::read(&path)?).map(Some).map_err(|source| DatasetError::Json { path, source })
+        serde_json::from_slice(&disk::read(&path)?).map(Some).map_err(|source| DatasetError::Json { path, source })
     }
 
     /// GDAL writes files, not bytes: what it has written is read again for its hash.
@@ -169,7 +175,7 @@ impl Desk {
         let bands = image.planes.iter().map(band).collect();
         let geotransform = *geotransform;
         GeoTiff { columns: image.columns, rows: image.rows, bands, crs, geotransform }.write(&self.path(name))?;
-        Ok(FileRecord::of(name, &atomic::read(&self.path(name))?))
+        Ok(FileRecord::of(name, &disk::read(&self.path(name))?))
     }
 
     /// The record of an exposure that this run has finished.
@@ -179,13 +185,13 @@ impl Desk {
     }
 
     pub fn is_whole(&self, file: &FileRecord) -> bool {
-        atomic::read(&self.path(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
+        disk::read(&self.path(&file.name)).is_ok_and(|bytes| crate::digest::sha256_hex(&bytes) == file.sha256)
     }
 
     /// Writes the preview of an exposure, from its planes on disk where they are not kept, and the record that names it.
-    pub fn preview(&self, index: usize, record: &mut Record, scale: &PreviewScale) -> Result<Dn, DatasetError> {
-        let shown = self.kept.take(index).map_or_else(|| self.read_shown(index, scale), Ok)?;
-        let Shown { size, values, gaps } = shown;
+    pub fn preview(&self, index: usize, record: &mut Record, scale: &PreviewScale) -> Result<Thumbnails, DatasetError> {
+        let shown = self.previews.take(index).map_or_else(|| self.read_shown(index, scale), Ok)?;
+        let PreviewSource { size, values, gaps } = shown;
         let dn = preview::digital_numbers(&values, gaps.as_deref(), size[0], scale.white);
         let name = self.name(index, "png");
         let bytes = png_file::encode_16(&self.path(&name), size, &dn, &preview::comment(scale))?;
@@ -200,7 +206,7 @@ impl Desk {
         });
         self.write(&self.name(index, "json"), &pretty(record))?;
         let reduced = |largest| Thumbnail::of(&dn, size[0], largest);
-        Ok(Dn { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
+        Ok(Thumbnails { frame: reduced(ANIMATION_PIXELS), sheet: reduced(SHEET_PIXELS) })
     }
 
     /// Writes the preview with the landmarks of an exposure, where both are asked for.
@@ -216,47 +222,44 @@ impl Desk {
         Ok(())
     }
 
-    fn read_shown(&self, index: usize, scale: &PreviewScale) -> Result<Shown, DatasetError> {
+    fn read_shown(&self, index: usize, scale: &PreviewScale) -> Result<PreviewSource, DatasetError> {
         let mut file = exr_file::read_exr(&self.path(&self.name(index, "exr")))?;
         let mut channel = |wanted: &str| {
             let found = file.channels.iter().position(|(name, _)| name == wanted)?;
             Some(file.channels.swap_remove(found).1)
         };
         let values = channel(&scale.channel).unwrap_or_default();
-        Ok(Shown { values, gaps: channel(Quantity::DemGap.channels()[0]), size: [file.columns, file.rows] })
+        Ok(PreviewSource { values, gaps: channel(Quantity::DemGap.channels()[0]), size: [file.columns, file.rows] })
     }
 
-    /// Removes half-written files and those of other runs.
+    /// Removes what killed processes left half-written, and the files of other runs.
     pub fn remove_stale(&self) -> Result<(), DatasetError> {
         let error = |source| DatasetError::Read { path: self.directory.clone(), source };
-        for entry in fs::read_dir(&self.directory).map_err(error)? {
-            let name = entry.map_err(error)?.file_name().to_string_lossy().into_owned();
-            if self.is_stale(&name) {
-                // A file that will not go away is met again when it is written.
-                let _ = fs::remove_file(self.path(&name));
+        files::remove_stale(&self.directory).map_err(error)?;
+        let entries = fs::read_dir(&self.directory).map_err(error)?;
+        let names: Vec<String> = entries
+            .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
+            .collect::<Result<_, std::io::Error>>()
+            .map_err(error)?;
+        // Records are what tells whose the files are: they are read before any goes.
+        let mut others = BTreeMap::new();
+        for name in &names {
+            if let Some(record) = record_of(name) {
+                others.entry(record).or_insert_with_key(|record| self.is_of_another_run(record));
             }
+        }
+        for name in names.iter().filter(|name| record_of(name).is_some_and(|record| others[&record])) {
+            // A file that will not go away is met again when it is written.
+            let _ = fs::remove_file(self.path(name));
         }
         Ok(())
     }
 
-    /// Half-written, or made by another run. Files of other programs are not ours to remove.
-    fn is_stale(&self, name: &str) -> bool {
-        let whole = name.strip_suffix(PARTIAL).unwrap_or(name);
-        let exposure = whole.strip_prefix("exposure_").and_then(|rest| rest.split_once('.'));
-        let belongs = match exposure {
-            Some((index, _)) if index.bytes().all(|byte| byte.is_ascii_digit()) => {
-                self.belongs(&format!("exposure_{index}.json"))
-            }
-            _ if SEQUENCE_FILES.contains(&whole) || sequences::is_one(whole) => self.belongs(MANIFEST),
-            _ => return false,
-        };
-        whole != name || !belongs
-    }
-
-    /// Whether a record or manifest was written by this run.
-    fn belongs(&self, name: &str) -> bool {
-        let found = atomic::read(&self.path(name)).ok().and_then(|bytes| serde_json::from_slice::<Json>(&bytes).ok());
-        found.is_some_and(|found| found["run_key"] == self.key.as_str())
+    /// Whether a record or manifest was written by another run. Files without one may be those of a process that is about to
+    /// write it.
+    fn is_of_another_run(&self, record: &str) -> bool {
+        let found = disk::read(&self.path(record)).ok().and_then(|bytes| serde_json::from_slice::<Json>(&bytes).ok());
+        found.is_some_and(|found| found["run_key"].as_str().is_some_and(|key| key != self.key))
     }
 }
 
@@ -266,12 +269,21 @@ impl FileRecord {
     }
 }
 
-fn band(plane: &Plane) -> Band<'_> {
-    Band { name: plane.name, unit: plane.quantity.unit(), values: &plane.values }
+/// The record or manifest that vouches for a file; `None`: a file of another program, which is not ours to remove.
+fn record_of(name: &str) -> Option<String> {
+    let exposure = name.strip_prefix("exposure_").and_then(|rest| rest.split_once('.'));
+    match exposure {
+        Some((index, _)) if index.bytes().all(|byte| byte.is_ascii_digit()) => Some(format!("exposure_{index}.json")),
+        _ => (SEQUENCE_FILES.contains(&name) || sequences::is_one(name)).then(|| MANIFEST.into()),
+    }
+}
+
+fn band(plane: &Plane) -> GeoTiffBand<'_> {
+    GeoTiffBand { name: plane.name, unit: plane.quantity.unit(), values: &plane.values }
 }
 
 pub fn read_record(path: &Path) -> Result<Record, DatasetError> {
-    let bytes = atomic::read(path)?;
+    let bytes = disk::read(path)?;
     serde_json::from_slice(&bytes).map_err(|source| DatasetError::Json { path: path.to_path_buf(), source })
 }
 

@@ -30,7 +30,7 @@ const MARGIN: usize = 128;
 
 /// A globe and which of its tiles are drawn.
 #[derive(Debug, Clone)]
-pub struct Shown {
+pub struct DrawnTiles {
     pub tree: QuadTree,
     pub dem: GlobalDem,
     pub dem_sha256: String,
@@ -44,7 +44,7 @@ pub struct Shown {
     given: Option<(PathBuf, Index)>,
 }
 
-impl Shown {
+impl DrawnTiles {
     /// The globe at its coarsest, before a camera looks at it.
     pub fn open(body: &Body, written: &scenario::Globe, values: Values) -> Result<Self, Error> {
         let dem = GlobalDem::open(&written.path, body, values)?;

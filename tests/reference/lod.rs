@@ -1,7 +1,7 @@
 //! A globe in tiles of several levels of detail over the corner of a cube: no cracks, and shadows as on the ground itself.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use perilune_engine::geometry::{Body, Geodetic, Position};
@@ -10,12 +10,12 @@ use perilune_engine::pipeline::globe::{Globe, Options};
 use perilune_engine::pipeline::{self, Prepared, Silent};
 use perilune_engine::raster::{self, Dem};
 use perilune_engine::render::{Quantity, Renderer, Scene, View};
-use perilune_engine::scenario::{self, Places, Scenario};
+use perilune_engine::scenario::{self, Scenario, SearchPath};
 use perilune_engine::shadow::registry;
 use perilune_engine::terrain::{Cut, Face, Ground, Surface, TileId, build_tile, drawn_tile};
 use tempfile::TempDir;
 
-use crate::conformance;
+use crate::{conformance, fixtures};
 
 use super::globe::{options, run, write_globe};
 
@@ -123,7 +123,7 @@ fn resolved(folder: &TempDir, place: [f64; 3], terrain: &str, horizon: &str, cam
     );
     let path = folder.path().join("scenario.ron");
     std::fs::write(&path, &text).unwrap();
-    scenario::resolve(&path, &text, &Places::of(&path, &[]), &|_| None).unwrap()
+    scenario::resolve(&path, &text, &SearchPath::of(&path, &[]), &|_| None).unwrap()
 }
 
 fn ready(scenario: &Scenario, cache: &Path) -> (Prepared, Scene) {
@@ -242,12 +242,7 @@ fn shadows_fall_across_tiles_and_faces_as_on_the_ground_itself() {
 /// by screen size and with all of it.
 #[test]
 fn shadows_of_the_real_moon_are_as_right_beside_borders_as_elsewhere() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = std::env::var_os("SIM_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
-    let path = data.join("dem/moon_gld100_16ppd_global.tif");
-    if !path.exists() {
-        return println!("skipped: no {}", path.display());
-    }
+    let Some(path) = fixtures::data("dem/moon_gld100_16ppd_global.tif") else { return };
     let dem = Dem::open(&path, &Body::moon(), &raster::Options::default()).unwrap();
     // 16 pixels a degree from 0° east and the north pole on.
     let height_m = |p: DVec3| {

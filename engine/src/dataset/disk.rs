@@ -1,22 +1,22 @@
-//! Files that are there whole or not at all.
+//! Reading and writing of whole files, with errors that name them.
 
 use std::fs;
 use std::path::Path;
 
 use super::error::DatasetError;
+use crate::files;
 
-/// Ends the name of a file that is not finished.
-pub const PARTIAL: &str = ".partial";
-
-/// Writes `bytes` beside `path` and renames: no reader ever sees half a file under its final name.
+/// Writes `bytes` to `path`, whole or not at all ([`files::write`]).
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(PARTIAL);
-    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|source| {
-        // The full disk that stopped the writing is not helped by keeping the rest.
-        let _ = fs::remove_file(&partial);
-        DatasetError::Write { path: path.to_path_buf(), source }
-    })
+    files::write(path, bytes).map_err(|source| DatasetError::Write { path: path.to_path_buf(), source })
+}
+
+/// Writes files of one folder in their order ([`files::write_in_order`]).
+pub fn write_in_order<'a>(
+    folder: &Path,
+    files: impl IntoIterator<Item = (&'a str, &'a [u8])>,
+) -> Result<(), DatasetError> {
+    files::write_in_order(folder, files).map_err(|(path, source)| DatasetError::Write { path, source })
 }
 
 /// Makes `directory` where it is not there, and tries whether files can be written into it.
@@ -26,10 +26,7 @@ pub fn check_writable(directory: &Path) -> Result<(), DatasetError> {
         return Err(DatasetError::OutputIsAFile { path });
     }
     fs::create_dir_all(directory).map_err(|source| DatasetError::Create { path: path.clone(), source })?;
-    let probe = directory.join(format!("probe{PARTIAL}"));
-    fs::write(&probe, b"probe")
-        .and_then(|()| fs::remove_file(&probe))
-        .map_err(|source| DatasetError::Write { path, source })
+    files::probe(directory).map_err(|source| DatasetError::Write { path, source })
 }
 
 pub fn read(path: &Path) -> Result<Vec<u8>, DatasetError> {
@@ -55,11 +52,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_full_disk_is_said_in_the_systems_words() {
-        let folder = tempfile::TempDir::new().unwrap();
-        let path = folder.path().join("file");
-        std::os::unix::fs::symlink("/dev/full", folder.path().join("file.partial")).unwrap();
-        let error = write(&path, b"bytes").unwrap_err();
+        let error = write(Path::new("/dev/full"), b"bytes").unwrap_err();
         assert!(error.to_string().contains("No space left on device"), "{error}");
-        assert!(!path.exists());
     }
 }

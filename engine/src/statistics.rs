@@ -1,4 +1,4 @@
-//! Errors against the truth, summed up.
+//! Errors against the truth, summed up; quantiles.
 
 /// Quantiles of absolute errors; the mean keeps the sign.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -22,10 +22,7 @@ impl Errors {
         }
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / count as f64;
         let mut sizes: Vec<f64> = signed.iter().map(|error| error.abs()).collect();
-        let mut quantile = |share: f64| {
-            let rank = ((count - 1) as f64 * share).round() as usize;
-            *sizes.select_nth_unstable_by(rank, f64::total_cmp).1
-        };
+        let mut quantile = |fraction: f64| quantile_of(&mut sizes, fraction);
         Self {
             count,
             mean: mean(&mut signed.iter().copied()),
@@ -36,6 +33,17 @@ impl Errors {
             max: quantile(1.0),
         }
     }
+}
+
+/// The value below which a fraction of all lies, the one of nearest rank; NaN of nothing.
+pub fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
+    if values.is_empty() { f64::NAN } else { quantile_of(&mut values, fraction) }
+}
+
+/// A quantile of at least one value, whose order it changes.
+fn quantile_of(values: &mut [f64], fraction: f64) -> f64 {
+    let rank = ((values.len() - 1) as f64 * fraction).round() as usize;
+    *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 /// The middle value; of an even number the lower one. `None` where there are none.
@@ -56,6 +64,12 @@ mod tests {
         assert!((errors.mean - 50.0 / 101.0).abs() < 1e-12);
         assert!((errors.rms - (100.0 * 101.0 * 201.0 / 6.0 / 101.0f64).sqrt()).abs() < 1e-12);
         assert_eq!(Errors::of([]), Errors::default());
+    }
+
+    #[test]
+    fn quantiles_are_values() {
+        assert_eq!(quantile(vec![4.0, 1.0, 3.0, 2.0, 5.0], 0.5), 3.0);
+        assert!(quantile(vec![], 0.5).is_nan());
     }
 
     #[test]

@@ -1,56 +1,36 @@
-//! What was mapped, and what was found, as a report.
+//! Maps, areas and places as a report.
 
+use super::results::{AreaResult, PlaceResult};
 use super::{pictures, plots};
-use crate::geometry::Geodetic;
-use crate::illumination::area::{AreaSummary, Series, Spread};
-use crate::illumination::check::{Check, Errors};
-use crate::illumination::place::{Moment, Summary};
-use crate::illumination::{Maps, Place, Track};
+use crate::illumination::area::{AreaSummary, MinMeanMax};
+use crate::illumination::check::Check;
+use crate::illumination::{Maps, Track};
 use crate::report::{Error, Machine, Report, Table, Value};
+use crate::statistics::Errors;
 
-/// A place as it was named, with its light.
+/// What a study found: its maps, areas and places.
 #[derive(Debug)]
-pub struct Named<'a> {
-    pub name: String,
-    pub at: Geodetic,
-    /// Its node or the nearest one, where that is on the map.
-    pub node: Option<usize>,
-    pub place: Place<'a>,
-    pub moments: Vec<Moment>,
-    pub summary: Summary,
-}
-
-/// An area as it was named, with its light.
-#[derive(Debug, Clone)]
-pub struct Lot {
-    pub name: String,
-    pub series: Series,
-    pub summary: AreaSummary,
-}
-
-/// All that was found.
-#[derive(Debug)]
-pub struct Findings<'a> {
+pub struct IlluminationReport<'a> {
     pub title: String,
     pub notes: Vec<String>,
     pub track: &'a Track,
     pub maps: &'a Maps,
     /// Area of a node.
     pub node_m2: f64,
-    pub areas: &'a [Lot],
-    pub places: &'a [Named<'a>],
+    pub areas: &'a [AreaResult],
+    pub places: &'a [PlaceResult<'a>],
     /// Maps against traced nodes.
     pub check: Option<Check>,
 }
 
-impl Findings<'_> {
+impl IlluminationReport<'_> {
     pub fn report(&self) -> Result<Report, Error> {
         let mut tables = vec![self.map_table()];
         tables.extend((!self.areas.is_empty()).then(|| self.areas_table()));
         tables.extend((!self.places.is_empty()).then(|| self.places_table()));
         tables.extend(self.check.as_ref().map(check_table));
         let marks: Vec<usize> = self.places.iter().filter_map(|place| place.node).collect();
-        let areas = self.areas.iter().map(|lot| plots::area(lot, self.track));
+        let areas = self.areas.iter().map(|result| plots::area(result, self.track));
         Ok(Report {
             name: "illumination",
             title: self.title.clone(),
@@ -74,7 +54,7 @@ impl Findings<'_> {
             ("longest night", &maps.longest_night_h, 1.0, "h"),
             ("Earth in sight", &maps.earth_share, 100.0, "%"),
         ] {
-            let Spread { least, mean, most } = Spread::of(plane, &everywhere);
+            let MinMeanMax { least, mean, most } = MinMeanMax::of(plane, &everywhere);
             let mut row: Vec<Value> = vec![name.into()];
             row.extend([least, mean, most].map(|value| Value::from(scale * value)));
             row.push(unit.into());
@@ -107,7 +87,7 @@ impl Findings<'_> {
             "Areas: means and extremes over their nodes; night: a node's longest; all dark: longest time that nothing is lit",
             &columns,
         );
-        for Lot { name, summary, .. } in self.areas {
+        for AreaResult { name, summary, .. } in self.areas {
             let AreaSummary { lit_share: lit, disc_share: disc, longest_night_h: night, .. } = summary;
             let mut row: Vec<Value> = vec![name.as_str().into(), (summary.nodes as f64 * self.node_m2 * 1e-6).into()];
             row.extend([lit, disc].iter().flat_map(|s| [s.mean, s.least, s.most]).map(|share| (100.0 * share).into()));
@@ -130,7 +110,7 @@ impl Findings<'_> {
             ("Earth in sight", "%"),
         ];
         let mut table = Table::new("places", "Places, by their traced skylines", &columns);
-        for Named { name, at, node, summary, .. } in self.places {
+        for PlaceResult { name, at, node, summary, .. } in self.places {
             let mapped = node.map(|node| 100.0 * f64::from(self.maps.disc_share[node]));
             let mut row: Vec<Value> = vec![name.as_str().into()];
             // Five digits of a degree are 0.15 m.
@@ -149,11 +129,11 @@ fn check_table(check: &Check) -> Table {
     let columns = [("map", ""), ("mean", "%"), ("RMS", "%"), ("largest", "%")];
     let title = format!("Maps less traced skylines at {} nodes", check.nodes);
     let mut table = Table::new("check", &title, &columns);
-    for (name, Errors { mean, rms, largest }) in
+    for (name, Errors { mean, rms, max, .. }) in
         [("lit", check.lit_share), ("share of the disc", check.disc_share), ("Earth in sight", check.earth_share)]
     {
         let mut row: Vec<Value> = vec![name.into()];
-        row.extend([mean, rms, largest].map(|error| Value::from(100.0 * error)));
+        row.extend([mean, rms, max].map(|error| Value::from(100.0 * error)));
         table.rows.push(row);
     }
     table

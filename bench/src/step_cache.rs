@@ -15,11 +15,11 @@ use perilune_engine::digest::sha256_hex;
 
 /// The steps of one run.
 #[derive(Debug)]
-pub struct Kept {
+pub struct StepCache {
     directory: PathBuf,
 }
 
-impl Kept {
+impl StepCache {
     /// Of the run that `options` describe, in a cache.
     pub fn new(cache: &Path, options: &impl Debug) -> Result<Self, Error> {
         // Another build of the program has other figures.
@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn a_stopped_run_goes_on_and_a_finished_one_starts_anew() {
         let folder = tempfile::TempDir::new().unwrap();
-        let kept = |options: &str| Kept::new(folder.path(), &options.to_owned()).unwrap();
+        let kept = |options: &str| StepCache::new(folder.path(), &options.to_owned()).unwrap();
         let stopped = || Err(Error::NoTerrain);
         assert_eq!(kept("a").step("first", || Ok(1.5)).unwrap(), 1.5);
         assert!(kept("a").step::<f64>("second", stopped).is_err());

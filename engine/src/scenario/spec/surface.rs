@@ -1,0 +1,107 @@
+//! How the ground reflects light, as written.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the ground reflects light.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// The reflectance model.
+    #[serde(default)]
+    pub photometry: Photometry,
+    /// Brightness of the ground. Default: 0.12, and 1 for the Hapke models, whose reflectance it multiplies.
+    #[serde(default)]
+    pub albedo: Option<Albedo>,
+}
+
+/// The reflectance model.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Photometry {
+    /// Equal radiance in all directions.
+    Lambert,
+    /// Single scattering of a dark, half-infinite medium.
+    LommelSeeliger,
+    /// McEwen's mixture of the two with the Moon's phase function.
+    #[default]
+    LunarLambert,
+    /// Radiance falls with the incidence as a power of its cosine. Not beyond 80° of emission, where it diverges.
+    Minnaert {
+        /// 1 is Lambert's law.
+        #[schemars(range(min = 0.5, max = 1.5))]
+        k: f64,
+    },
+    /// Akimov's law, found on the Moon: flat at full phase, falling towards terminator and poles.
+    Akimov {
+        /// How fast light falls towards the poles of the photometric system: 1 is the law without a parameter.
+        #[serde(default = "super::one")]
+        #[schemars(range(min = 0.0, max = 2.0))]
+        eta: f64,
+    },
+    /// Hapke's model with the parameters of the Moon at 566 nm (Sato et al. 2014).
+    HapkeMoon,
+    /// Hapke's model with parameters of Mars in red light (Kirk & Johnson, in USGS ISIS).
+    HapkeMars,
+    /// Hapke's model with parameters of Mercury at 554 nm (Warell & Valegård 2006).
+    HapkeMercury,
+    /// Hapke's model.
+    Hapke {
+        /// Single-scattering albedo.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        w: f64,
+        /// Width of the two lobes of the particle phase function.
+        #[schemars(range(min = 0.0, max = 0.999))]
+        b: f64,
+        /// Weight of the backward lobe: 1 is all backward, -1 all forward.
+        #[schemars(range(min = -1.3, max = 1.3))]
+        c: f64,
+        /// Amplitude of the shadow-hiding opposition surge.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        bs0: f64,
+        /// Angular width of the shadow-hiding opposition surge.
+        #[serde(default = "default_surge_width")]
+        #[schemars(range(min = 1e-4, max = 10.0))]
+        hs: f64,
+        /// Amplitude of coherent backscatter.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 10.0))]
+        bc0: f64,
+        /// Angular width of coherent backscatter.
+        #[serde(default = "default_surge_width")]
+        #[schemars(range(min = 1e-4, max = 10.0))]
+        hc: f64,
+        /// Mean slope of the roughness that no pixel resolves.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 60.0))]
+        theta_bar_deg: f64,
+        /// Filling factor: the share of volume that grains take.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 0.75))]
+        phi: f64,
+    },
+}
+
+/// Without an amplitude the width has no effect; it only has to keep the surge finite.
+fn default_surge_width() -> f64 {
+    0.1
+}
+
+/// Brightness of the ground.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Albedo {
+    /// The same everywhere.
+    Constant(#[schemars(range(min = 0.0, max = 1.0))] f64),
+    /// From a georeferenced raster.
+    Map {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
+    /// The single-scattering albedo w of a Hapke model from a georeferenced raster, instead of the model's own.
+    SingleScattering {
+        /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
+        path: String,
+    },
+}
