@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use perilune_engine::ephemeris::{Epoch, known_file};
-use perilune_engine::pipeline::{self, Options, Prepared, Progress, shot};
+use perilune_engine::pipeline::{self, Options, Prepared, Progress, capture};
 use perilune_engine::render::{Image, Imaging, View};
 use perilune_engine::scenario::{self, SearchPath};
 
@@ -69,7 +69,7 @@ impl Scenario {
     /// Any kind: this is where files are read and terrain is made.
     pub fn prepare(&self, cache: impl AsRef<Path>, progress: &dyn Progress) -> Result<Sequence, Error> {
         let mut prepared = pipeline::prepare(&self.0, cache.as_ref(), progress)?;
-        let scene = pipeline::scene(&self.0, &mut prepared, cache.as_ref(), progress)?;
+        let scene = pipeline::build_scene(&self.0, &mut prepared, cache.as_ref(), progress)?;
         let imaging = pipeline::scene::imaging(&self.0)?;
         Ok(Sequence { scene: Scene::new(scene), prepared, imaging })
     }
@@ -145,7 +145,7 @@ impl Sequence {
     /// Where `exposure` is not below [`len`](Self::len).
     pub fn render(&self, session: &mut Session, exposure: usize) -> Result<Image, Error> {
         let exposure = &self.prepared.exposures[exposure];
-        let shot = shot::take(&self.prepared, &self.imaging, session.engine(), exposure)?;
-        Ok(shot.image(self.scene.engine()))
+        let captured = capture::take(&self.prepared, &self.imaging, session.engine(), exposure)?;
+        Ok(captured.image(self.scene.engine()))
     }
 }

@@ -109,7 +109,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
 fn rendered(scenario: &Scenario, chosen: &Range<usize>, options: &Options) -> Result<Cost, Error> {
     let gpu = Gpu::open(Adapter::Auto).ok();
     let mut prepared = pipeline::prepare(scenario, &options.cache, &pipeline::Silent)?;
-    let scene = pipeline::scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
+    let scene = pipeline::build_scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
     let mut session = Renderer::on_any(gpu.as_ref()).session(&scene)?;
     // The first image uploads the terrain.
     session.samples(&prepared.exposures[chosen.start].view)?;

@@ -64,7 +64,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let (mut prepared, rows) = stages_of(scenario, options, progress)?;
     stages.rows = rows;
 
-    let scene = pipeline::scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
+    let scene = pipeline::build_scene(scenario, &mut prepared, &options.cache, &pipeline::Silent)?;
     progress.begin("rendering", 2 * SIZES.len(), "series");
     for size in SIZES {
         let mut sized = reduced(scenario, size);
@@ -110,7 +110,7 @@ fn stages_of(
     let mut rows = vec![vec!["kernels, terrain, poses".into(), lap(clock).into()]];
     for stage in ["horizons, built or read", "horizons, read again"] {
         let clock = Instant::now();
-        pipeline::scene(scenario, &mut prepared, &options.cache, progress)?;
+        pipeline::build_scene(scenario, &mut prepared, &options.cache, progress)?;
         rows.push(vec![stage.into(), lap(clock).into()]);
     }
     Ok((prepared, rows))

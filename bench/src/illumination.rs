@@ -21,7 +21,7 @@ use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, Request, Settings};
 use perilune_engine::illumination::area::MinMeanMax;
 use perilune_engine::illumination::maps::needed_blocks;
-use perilune_engine::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best};
+use perilune_engine::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best_places};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::terrain::{Face, Level, Pyramid};
@@ -329,7 +329,7 @@ impl Claim {
             Study { face, level: 0, skylines: &skylines, track: &track, disk: &disk, lit: Lit::AnyLimb, areas: &areas };
         let (maps, _) = study.run(&on_progress);
         let percent = |plane: &[f32], node: usize| 100.0 * f64::from(plane[node]);
-        let best = best(&maps.disc_share, &face.map, level, 1, 1.0)[0];
+        let best = best_places(&maps.disc_share, &face.map, level, 1, 1.0)[0];
         let [column, row] = [best % maps.columns, best / maps.columns].map(|index| index + level.margin);
         let there = scene.body.geodetic_from_position(face.map.body_from_lifted(level.lifted_node(column, row)));
         let degrees = |angle_rad: f64| Value::from(format!("{:.4}", angle_rad.to_degrees().rem_euclid(360.0)).as_str());

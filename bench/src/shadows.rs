@@ -127,7 +127,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let machine = Machine::here();
     let scenario = comparable(scenario, options)?;
     let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
-    let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
+    let scene = pipeline::build_scene(&scenario, &mut prepared, &options.cache, progress)?;
     let view = prepared.exposures[options.exposure].view.clone();
     let factory = MethodFactory {
         prepared: &prepared,

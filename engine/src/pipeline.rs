@@ -11,6 +11,7 @@
 mod applicability;
 pub mod auto;
 mod camera_record;
+pub mod capture;
 mod check;
 mod craters;
 pub(crate) mod error;
@@ -26,7 +27,6 @@ mod record;
 mod run;
 pub mod scene;
 mod sequence;
-pub mod shot;
 mod split;
 mod terrain_key;
 mod tiles;
@@ -80,7 +80,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
         scene::reflectance(point)?;
         scene::detector(point)?;
     }
-    let (exposures, motions) = globe::look::exposures(&points, &almanac, &frame, &mut ground, progress)?;
+    let (exposures, motions) = globe::exposures::exposures(&points, &almanac, &frame, &mut ground, progress)?;
     let craters = craters::of_lists(scenario, &mut ground, cache)?;
     sequence::check(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
@@ -137,7 +137,7 @@ fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
 }
 
 /// The scene that a renderer reads, with its shadows.
-pub fn scene(
+pub fn build_scene(
     scenario: &Scenario,
     prepared: &mut Prepared,
     cache: &Path,

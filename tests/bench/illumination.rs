@@ -193,9 +193,9 @@ fn the_best_nodes_are_those_of_largest_value_that_lie_apart() {
         values[node] = value;
     }
     let level = &face.levels[0];
-    assert_eq!(best(&values, &face.map, level, 3, 350.0), [1830, 1836, 5]);
-    assert_eq!(best(&values, &face.map, level, 3, 250.0), [1830, 1833, 1836]);
-    let all = best(&values, &face.map, level, 4000, 1.0);
+    assert_eq!(best_places(&values, &face.map, level, 3, 350.0), [1830, 1836, 5]);
+    assert_eq!(best_places(&values, &face.map, level, 3, 250.0), [1830, 1833, 1836]);
+    let all = best_places(&values, &face.map, level, 4000, 1.0);
     assert!(all.len() == 3599 && !all.contains(&6));
 }
 

@@ -69,7 +69,7 @@ fn a_sun_elsewhere_lowers_the_agreement() {
     let folder = tempfile::TempDir::new().unwrap();
     let (scenario, cache) = (reduced(&small(folder.path()), 48), folder.path().join("cache"));
     let mut prepared = pipeline::prepare(&scenario, &cache, &Silent).unwrap();
-    let mut scene = pipeline::scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
+    let mut scene = pipeline::build_scene(&scenario, &mut prepared, &cache, &Silent).unwrap();
     scene = scene.with_shadows(registry::reference(Default::default()));
     let mut view = prepared.exposures[0].view.clone();
     let truth = Renderer::Reference.samples(&scene, &view).unwrap().pixels;

@@ -63,7 +63,7 @@ fn the_pass_renders_the_shipped_scenarios_as_the_reference_does() {
         let Some(scenario) = load(&format!("{name}.ron")) else { continue };
         let scenario = if full.is_some() { scenario } else { smaller(scenario) };
         let mut prepared = pipeline::prepare(&scenario, cache, &Silent).unwrap();
-        let scene = pipeline::scene(&scenario, &mut prepared, cache, &Silent).unwrap();
+        let scene = pipeline::build_scene(&scenario, &mut prepared, cache, &Silent).unwrap();
         let view = prepared.exposures[prepared.exposures.len() / 2].view.clone();
         let view = view.with_quantities([Quantity::Radiance, Quantity::Range]);
         let reference = Renderer::Reference.samples(&scene, &view).unwrap();

@@ -9,7 +9,7 @@ use perilune_engine::camera::{Camera as Optics, Detector};
 use perilune_engine::geometry::Position;
 use perilune_engine::horizon::Encoding;
 use perilune_engine::photometry::{Hapke, Reflectance};
-use perilune_engine::render::{AlbedoRole, Image, Kept, Light, Quantity, Renderer, Scene, Session, View};
+use perilune_engine::render::{AlbedoRole, CacheSize, Image, Light, Quantity, Renderer, Scene, Session, View};
 use perilune_engine::shadow::horizon_maps::HorizonMaps;
 use perilune_engine::shadow::registry;
 
@@ -176,7 +176,7 @@ fn render_a_thousand() {
     let plain = scene.clone().with_shadows(registry::no_shadows());
     for (renderer, scene) in renderers().into_iter().zip([&plain, &scene]) {
         let mut session = renderer.session(scene).unwrap();
-        let mut kept = Kept::default();
+        let mut kept = CacheSize::default();
         let mut before_mib = None;
         for index in 0..1000_usize {
             let sun = turned(&view.lights[0], 1e-3 * (index / 50) as f64);
@@ -189,7 +189,7 @@ fn render_a_thousand() {
                 before_mib = resident_mib();
             }
             if index >= 400 {
-                let now = session.kept();
+                let now = session.cache_size();
                 assert!(index == 400 || now == kept, "{kept:?} became {now:?} at view {index}");
                 kept = now;
             }

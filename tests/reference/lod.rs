@@ -128,7 +128,7 @@ fn resolved(folder: &TempDir, place: [f64; 3], terrain: &str, horizon: &str, cam
 
 fn ready(scenario: &Scenario, cache: &Path) -> (Prepared, Scene) {
     let mut prepared = pipeline::prepare(scenario, cache, &Silent).unwrap();
-    let scene = pipeline::scene(scenario, &mut prepared, cache, &Silent).unwrap();
+    let scene = pipeline::build_scene(scenario, &mut prepared, cache, &Silent).unwrap();
     (prepared, scene)
 }
 

@@ -43,7 +43,7 @@ fn dem_points_appear_where_a_pinhole_puts_them() {
     let scenario::Dem::File { path, .. } = scenario.terrain.as_ref().unwrap().dems[0].clone() else { panic!("a file") };
     let cache = tempfile::tempdir().unwrap();
     let mut prepared = pipeline::prepare(&scenario, cache.path(), &Silent).unwrap();
-    let scene = pipeline::scene(&scenario, &mut prepared, Path::new("unused"), &Silent).unwrap();
+    let scene = pipeline::build_scene(&scenario, &mut prepared, Path::new("unused"), &Silent).unwrap();
     let view = &prepared.exposures[0].view;
     let image = Renderer::Reference.render(&scene, view).unwrap();
 

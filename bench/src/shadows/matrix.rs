@@ -106,7 +106,7 @@ impl<'a> Bench<'a> {
         // One map serves all elevations.
         scenario.horizon.band = false;
         let mut prepared = pipeline::prepare(&scenario, &options.cache, progress)?;
-        let scene = pipeline::scene(&scenario, &mut prepared, &options.cache, progress)?;
+        let scene = pipeline::build_scene(&scenario, &mut prepared, &options.cache, progress)?;
         let maps = scene.shadows.maps().unwrap_or_default().to_vec();
         let sky = perilune_engine::ephemeris::horizontal(
             &prepared.frame.body,

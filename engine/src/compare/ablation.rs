@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::numbers::Numbers;
 use super::photometric::{Model, Response};
 use super::register::{Freedom, Registration, register_detail, warped};
-use super::render::{Studio, Trial};
+use super::render::{RenderSession, Trial};
 use super::request::Law;
 use super::resolution::Resolution;
 use super::{Error, Grid};
@@ -86,7 +86,12 @@ pub fn trials(main: &Trial) -> Result<Vec<Trial>, Error> {
 }
 
 /// Renders and compares all variants.
-pub fn run(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
+pub fn run(
+    studio: &mut RenderSession,
+    main: &Trial,
+    setting: &Setting,
+    progress: &dyn Progress,
+) -> Result<Vec<Row>, Error> {
     let trials = trials(main)?;
     let count = trials.len();
     progress.begin("ablation", count, "variants");
@@ -122,7 +127,7 @@ pub struct Sun {
 }
 
 /// Turns the Sun, without cast shadows: shading says enough.
-pub fn sun(studio: &mut Studio, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Sun, Error> {
+pub fn sun(studio: &mut RenderSession, main: &Trial, setting: &Setting, progress: &dyn Progress) -> Result<Sun, Error> {
     let [azimuth, elevation] = NEAR_DEG;
     let count = AROUND_DEG.len() + 4;
     progress.begin("turning the Sun", count, "directions");
@@ -157,7 +162,7 @@ fn vertex(below: f64, middle: f64, above: f64) -> Option<f64> {
 
 impl Setting<'_> {
     /// A variant's radiance at the resolution compared, where the main one has ground.
-    fn radiance(&self, studio: &mut Studio, trial: &Trial) -> Result<Grid, Error> {
+    fn radiance(&self, studio: &mut RenderSession, trial: &Trial) -> Result<Grid, Error> {
         let radiance = self.resolution.seen(studio.radiance(trial)?);
         Ok(radiance.zip(self.radiance, |value, main| if main.is_nan() { main } else { value }))
     }

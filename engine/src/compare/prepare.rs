@@ -97,7 +97,7 @@ fn of_exposure(
         scenario.albedo = scenario::Albedo::Map(map.clone());
     }
     let mut prepared = pipeline::prepare(&scenario, &request.cache, progress)?;
-    let scene = pipeline::scene(&scenario, &mut prepared, &request.cache, progress)?;
+    let scene = pipeline::build_scene(&scenario, &mut prepared, &request.cache, progress)?;
     let view = &prepared.exposures[exposure].view;
     let pose = view.pose();
     let geometry = Geometry {

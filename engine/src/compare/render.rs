@@ -89,7 +89,7 @@ pub fn horizons(surface: &Surface, cache: &Path, progress: &dyn Progress) -> Res
 
 /// Ground, camera and lights, ready for trials.
 #[derive(Debug)]
-pub struct Studio {
+pub struct RenderSession {
     scene: Scene,
     views: Vec<View>,
     up: DVec3,
@@ -112,7 +112,7 @@ pub struct Trial {
 
 /// Who looks, and by which light.
 #[derive(Debug, Clone, Copy)]
-pub struct Stage<'a> {
+pub struct Viewpoint<'a> {
     pub camera: &'a PosedCamera,
     pub lights: &'a [Light],
     /// The vertical in the image's middle.
@@ -121,9 +121,9 @@ pub struct Stage<'a> {
     pub samples: usize,
 }
 
-impl Studio {
+impl RenderSession {
     /// The scene is seen through the stage's camera.
-    pub fn new(stage: &Stage, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
+    pub fn new(stage: &Viewpoint, scene: Scene, adapter: AdapterChoice) -> Result<Self, Error> {
         let for_host = !scene.shadows.runs_on_device();
         let gpu = match adapter {
             AdapterChoice::Gpu => Some(Gpu::open(Adapter::Gpu).map_err(pipeline::Error::from)?),
@@ -136,7 +136,7 @@ impl Studio {
     }
 
     /// Sees the same scene through another stage's camera.
-    pub fn restage(&mut self, stage: &Stage) {
+    pub fn restage(&mut self, stage: &Viewpoint) {
         let view = |(index, pose): (usize, &crate::camera::Pose)| View {
             exposure: index as u64,
             samples_per_side: stage.samples,

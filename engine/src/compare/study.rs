@@ -25,7 +25,7 @@ use super::pose::{self, PoseFit};
 use super::prepare::{Prepared, no_ground, prepared};
 use super::profile::{self, Bin, Profile};
 use super::register::{Registration, register_detail, warped};
-use super::render::{Planes, Stage, Studio, Trial};
+use super::render::{Planes, RenderSession, Trial, Viewpoint};
 use super::request::{GeometrySource, Law, Request};
 use super::resolution::{FINER, Resolution};
 use super::scales::{Scale, scales};
@@ -122,8 +122,8 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let resolution = resolution(request, &picture, &geometry, &scene.surface)?;
     let (camera, mut sky) = viewpoint(request, &resolution, &geometry, &scene.surface)?;
     let samples = samples(request, &resolution);
-    let stage = Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples };
-    let mut studio = Studio::new(&stage, scene, request.adapter)?;
+    let stage = Viewpoint { camera: &camera, lights: &geometry.lights, up: sky.up, samples };
+    let mut studio = RenderSession::new(&stage, scene, request.adapter)?;
     let photo = reduced_photo(&picture, &camera, &resolution);
     let registering = Registering { request, resolution: &resolution, main: &main, photo: &photo, samples };
     let (registered, fitted_pose) = registering.run(&mut studio, &mut geometry, &mut sky, progress)?;
@@ -218,7 +218,7 @@ impl Registering<'_> {
     /// Renders and registers, in rounds where the pose is fitted: the geometry's camera and the sky follow it.
     fn run(
         &self,
-        studio: &mut Studio,
+        studio: &mut RenderSession,
         geometry: &mut Geometry,
         sky: &mut Sky,
         progress: &dyn Progress,
@@ -235,13 +235,13 @@ impl Registering<'_> {
             fitted_pose = Some(pose.after(fitted_pose));
             let camera;
             (camera, *sky) = viewpoint(self.request, self.resolution, geometry, studio.surface())?;
-            studio.restage(&Stage { camera: &camera, lights: &geometry.lights, up: sky.up, samples: self.samples });
+            studio.restage(&Viewpoint { camera: &camera, lights: &geometry.lights, up: sky.up, samples: self.samples });
             registered = self.once(studio, geometry)?;
         }
         Ok((registered, fitted_pose))
     }
 
-    fn once(&self, studio: &mut Studio, geometry: &Geometry) -> Result<Registered, Error> {
+    fn once(&self, studio: &mut RenderSession, geometry: &Geometry) -> Result<Registered, Error> {
         let planes = studio.whole(self.main)?;
         let radiance = self.resolution.seen(planes.grid("RADIANCE"));
         let registration = register_detail(self.photo, &radiance, self.resolution.high_pass_px, self.request.freedom)?;

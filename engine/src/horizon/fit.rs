@@ -117,7 +117,7 @@ impl Accumulator {
     pub fn add(&mut self, planes: &[ElevationPlane], major: Major) {
         let planes = &self.fitted(planes);
         for index in 0..self.groups.len() {
-            // Taken out, so that the rest can be read meanwhile.
+            // Capture out, so that the rest can be read meanwhile.
             let Sums::Memory(sums) = &mut self.groups[index].sums else { continue };
             let mut sums = std::mem::take(sums);
             self.add_to(index, 0, &mut sums, planes, major);

@@ -21,7 +21,7 @@
 //! Mazarico et al. (2011), Icarus 211, 1066. Gläser et al. (2014), Icarus 243, 78.
 
 pub mod area;
-pub mod best;
+pub mod best_places;
 pub mod blocks;
 pub mod check;
 pub mod geotiff;
@@ -35,7 +35,7 @@ pub mod skylines;
 pub mod track;
 
 pub use area::{Area, AreaSummary};
-pub use best::best;
+pub use best_places::best_places;
 pub use check::{Check, Traced};
 pub use lit::{DiscShare, Lit};
 pub use maps::{Maps, Study};

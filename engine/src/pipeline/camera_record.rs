@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::shot::Shot;
+use super::capture::CapturedExposure;
 use super::{Exposure, Prepared};
 use crate::camera::{Camera as Optics, Correction, Pose, PsfComponent, Shutter, Vignetting};
 use crate::dataset::{CameraEffects, CameraRecord, DetectorRecord, RowPose, SensorRecord};
@@ -14,7 +14,7 @@ pub fn camera(
     scenario: &Scenario,
     prepared: &Prepared,
     scene: &Scene,
-    shot: &Shot,
+    captured: &CapturedExposure,
     exposure: &Exposure,
 ) -> CameraRecord {
     let camera = &scenario.camera;
@@ -24,13 +24,13 @@ pub fn camera(
         camera.principal_point_px,
         camera.distortion.as_ref().map_or([0.0; 5], |d| [d.k1, d.k2, d.p1, d.p2, d.k3]),
     );
-    let mut record = CameraRecord { shutter: shutter(scenario, shot), ..record };
+    let mut record = CameraRecord { shutter: shutter(scenario, captured), ..record };
     // An ISD's rows may be of another height, or run upwards.
     record.k[1][1] = exposure.view.optics.focal_px.y;
     if let Some(correction) = exposure.view.optics.correction() {
         (record.dist_model, record.dist_coeffs) = corrected(correction);
     }
-    record.effects = effects(scenario, prepared, scene, shot, exposure);
+    record.effects = effects(scenario, prepared, scene, captured, exposure);
     record
 }
 
@@ -52,7 +52,7 @@ fn corrected(correction: Correction) -> (String, Vec<f64>) {
 }
 
 /// Nothing but words where all rows are exposed at once, for an instant.
-fn shutter(scenario: &Scenario, shot: &Shot) -> String {
+fn shutter(scenario: &Scenario, captured: &CapturedExposure) -> String {
     let camera = &scenario.camera;
     let direction = |upwards: bool| if upwards { "from the bottom up" } else { "from the top down" };
     let rows = match camera.shutter {
@@ -69,7 +69,7 @@ fn shutter(scenario: &Scenario, shot: &Shot) -> String {
     };
     match camera.moments {
         1 => format!("{rows}, instantaneous"),
-        moments => format!("{rows}, {moments} moments of {} s each", shot.exposure_s / f64::from(moments)),
+        moments => format!("{rows}, {moments} moments of {} s each", captured.exposure_s / f64::from(moments)),
     }
 }
 
@@ -77,7 +77,7 @@ fn effects(
     scenario: &Scenario,
     prepared: &Prepared,
     scene: &Scene,
-    shot: &Shot,
+    captured: &CapturedExposure,
     exposure: &Exposure,
 ) -> Option<CameraEffects> {
     let camera = &scenario.camera;
@@ -97,11 +97,11 @@ fn effects(
     };
     let shared = matches!(camera.shutter, Shutter::Rolling { rows_per_pose, .. } if rows_per_pose > 1);
     let effects = CameraEffects {
-        psf_cut_off: (!camera.spreads.is_empty()).then_some(shot.psf_cut_off),
+        psf_cut_off: (!camera.spreads.is_empty()).then_some(captured.psf_cut_off),
         psf,
         vignetting,
         moments: (camera.moments > 1).then_some(camera.moments),
-        shared_pose_error_px: shared.then(|| shared_pose_error_px(scenario, prepared, scene, shot, exposure)),
+        shared_pose_error_px: shared.then(|| shared_pose_error_px(scenario, prepared, scene, captured, exposure)),
         planes: String::new(),
     };
     let planes = "radiance, radiance factor, focal plane irradiance and digital numbers".into();
@@ -114,7 +114,7 @@ fn shared_pose_error_px(
     scenario: &Scenario,
     prepared: &Prepared,
     scene: &Scene,
-    shot: &Shot,
+    captured: &CapturedExposure,
     exposure: &Exposure,
 ) -> f64 {
     let optics = &exposure.view.optics;
@@ -128,7 +128,7 @@ fn shared_pose_error_px(
         let moved = ends.into_iter().flatten().filter_map(|own| moved_px(scene, optics, pixel, pose, &own));
         moved.fold(0.0, f64::max)
     };
-    pieces.iter().flatten().zip(&shot.bands).map(off).fold(0.0, f64::max)
+    pieces.iter().flatten().zip(&captured.bands).map(off).fold(0.0, f64::max)
 }
 
 /// Between where a pixel's ground is seen from one pose and from another.
@@ -141,7 +141,7 @@ fn moved_px(scene: &Scene, optics: &Optics, pixel: DVec2, from: &Pose, to: &Pose
     Some((optics.pixel(to.camera_from_body * seen)? - pixel).length())
 }
 
-pub fn rows(shot: &Shot) -> Vec<RowPose> {
+pub fn rows(captured: &CapturedExposure) -> Vec<RowPose> {
     let row = |(first_row, (t_s, pose)): (&usize, &(f64, Pose))| {
         let q = pose.camera_from_body.quaternion();
         RowPose {
@@ -151,10 +151,10 @@ pub fn rows(shot: &Shot) -> Vec<RowPose> {
             q_wxyz: [q.w, q.x, q.y, q.z],
         }
     };
-    shot.first_rows.iter().zip(&shot.bands).map(row).collect()
+    captured.first_rows.iter().zip(&captured.bands).map(row).collect()
 }
 
-pub fn sensor(scenario: &Scenario, shot: &Shot) -> SensorRecord {
+pub fn sensor(scenario: &Scenario, captured: &CapturedExposure) -> SensorRecord {
     let camera = &scenario.camera;
     let auto = camera.auto_exposure.map(|auto| {
         format!(
@@ -164,12 +164,12 @@ pub fn sensor(scenario: &Scenario, shot: &Shot) -> SensorRecord {
     });
     SensorRecord {
         seed: scenario.seed,
-        exposure_s: shot.exposure_s,
+        exposure_s: captured.exposure_s,
         f_number: camera.f_number,
         transmission: camera.transmission,
         samples_per_pixel: camera.samples_per_pixel,
         gain_e_per_dn: scenario.detector.as_ref().map(|detector| detector.gain_e_per_dn),
-        detector: shot.detector.as_ref().map(|detector| DetectorRecord {
+        detector: captured.detector.as_ref().map(|detector| DetectorRecord {
             quantum_efficiency: detector.quantum_efficiency,
             wavelength_nm: detector.wavelength_m * 1e9,
             pixel_pitch_um: detector.pixel_pitch_m * 1e6,

@@ -103,7 +103,7 @@ fn poses(
     let (surface, centre) = match ground {
         Some(mut ground) => {
             if ground.globe.is_some() {
-                looked = globe::look::exposures(&points(scenario), almanac, frame, &mut ground, progress).err();
+                looked = globe::exposures::exposures(&points(scenario), almanac, frame, &mut ground, progress).err();
             }
             (ground.surface, ground.centre)
         }

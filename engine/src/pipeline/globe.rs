@@ -16,11 +16,11 @@
 //! the poles, on the cube's edges and corners, on the antimeridian and at random places ([`check`]).
 
 pub mod check;
+pub mod exposures;
 pub mod index;
 pub mod lod;
-pub mod look;
 pub mod selection;
-pub mod sight;
+pub mod view_cone;
 
 use std::fs;
 use std::path::{Path, PathBuf};

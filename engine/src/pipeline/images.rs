@@ -12,8 +12,8 @@
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
+use super::capture::{self, CapturedExposure};
 use super::sequence::Before;
-use super::shot::{self, Shot};
 use super::{Error, Prepared, Progress, ortho, record, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
@@ -36,7 +36,7 @@ pub struct Spent {
 /// What the session hands on.
 struct Sampled {
     index: usize,
-    shot: Shot,
+    captured: CapturedExposure,
     /// What the exposure before sampled, where a label needs it.
     before: Option<Vec<Radiometry>>,
 }
@@ -75,13 +75,13 @@ pub fn render(
             let exposure = &prepared.exposures[index];
             let start = Instant::now();
             let earlier = before.pixels(&mut session, &prepared.exposures, index)?;
-            let shot = shot::take(prepared, imaging, &mut session, exposure)?;
-            if let Some(samples) = shot.taken.samples() {
+            let captured = capture::take(prepared, imaging, &mut session, exposure)?;
+            if let Some(samples) = captured.light.samples() {
                 before.keep(&exposure.view, index, samples);
             }
             spent.samples += start.elapsed();
-            spent.device += shot.taken.device;
-            Ok::<_, Error>(Sampled { index, shot, before: earlier })
+            spent.device += captured.light.device;
+            Ok::<_, Error>(Sampled { index, captured, before: earlier })
         };
         let mut rendered = Ok(());
         for (count, &index) in todo.iter().enumerate() {
@@ -111,20 +111,20 @@ fn exposure(
     run: &dataset::Run,
     sampled: Sampled,
 ) -> Result<dataset::Exposure, Error> {
-    let Sampled { index, shot, before } = sampled;
+    let Sampled { index, captured, before } = sampled;
     let Prepared { exposures, points, craters, ground, .. } = prepared;
     let view = &exposures[index].view;
     let point = &points[exposures[index].point];
-    let mut image = shot.image(scene);
-    let shadow = match shot::needs_light(point, view) {
-        true => reference::shadow(scene, view, &shot.skylines).map_err(RenderError::from)?,
+    let mut image = captured.image(scene);
+    let shadow = match capture::needs_light(point, view) {
+        true => reference::shadow(scene, view, &captured.skylines).map_err(RenderError::from)?,
         false => None,
     };
     let shadow = shadow.as_deref();
-    if let Some(samples) = shot.taken.samples() {
+    if let Some(samples) = captured.light.samples() {
         image.planes.extend(sequence::planes(point, scene, exposures, index, samples, before.as_deref(), shadow));
     }
-    let facts = record::facts(prepared, scene, run, index, &image, &shot);
+    let facts = record::facts(prepared, scene, run, index, &image, &captured);
     let on_map = point.outputs.formats.contains(&Format::GeoTiff);
     let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
     let wanted = point.landmarks.as_ref().map(|landmarks| &landmarks.wanted);

@@ -1,7 +1,7 @@
 //! What is written down about a run and about each exposure.
 
+use super::capture::CapturedExposure;
 use super::names::file_name;
-use super::shot::Shot;
 use super::{Error, Prepared, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, ExposureMetadata, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord,
@@ -156,7 +156,7 @@ pub fn facts(
     run: &Run,
     index: usize,
     image: &Image,
-    shot: &Shot,
+    captured: &CapturedExposure,
 ) -> ExposureMetadata {
     let exposure = &prepared.exposures[index];
     let scenario = &prepared.points[exposure.point];
@@ -173,8 +173,8 @@ pub fn facts(
         split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),
-        camera: super::camera_record::camera(scenario, prepared, scene, shot, exposure),
-        pose: pose(prepared, index, shot),
+        camera: super::camera_record::camera(scenario, prepared, scene, captured, exposure),
+        pose: pose(prepared, index, captured),
         sun: sun(scenario, prepared, index),
         radiometry: RadiometryRecord {
             unit: Quantity::Radiance.unit().into(),
@@ -186,14 +186,14 @@ pub fn facts(
             band_width_nm: scenario.band.as_ref().map(|band| band.width_nm),
             mean_wavelength_nm: scenario.band.as_ref().map(|band| band.wavelength_nm),
         },
-        sensor: super::camera_record::sensor(scenario, shot),
+        sensor: super::camera_record::sensor(scenario, captured),
         inputs: inputs(scenario, run),
         software: run.software.clone(),
         quality: quality(scene, image),
     }
 }
 
-fn pose(prepared: &Prepared, index: usize, shot: &Shot) -> PoseRecord {
+fn pose(prepared: &Prepared, index: usize, captured: &CapturedExposure) -> PoseRecord {
     let exposure = &prepared.exposures[index];
     let view = &exposure.view;
     let q = view.camera_from_body.quaternion();
@@ -205,7 +205,7 @@ fn pose(prepared: &Prepared, index: usize, shot: &Shot) -> PoseRecord {
         latitude_deg: place.latitude_rad.to_degrees(),
         longitude_east_deg: place.longitude_east_rad.to_degrees().rem_euclid(360.0),
         height_m: place.height_m,
-        rows: super::camera_record::rows(shot),
+        rows: super::camera_record::rows(captured),
         ..Default::default()
     }
 }

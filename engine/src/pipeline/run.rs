@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::{Error, Prepared, Progress, images, prepare, record, scene};
+use super::{Error, Prepared, Progress, build_scene, images, prepare, record, scene};
 use crate::dataset::{self, Writer};
 use crate::gpu::{Adapter, Gpu};
 use crate::render::{DeviceGround, Renderer};
@@ -98,10 +98,10 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let terrain = lap(start);
 
     let start = Instant::now();
-    let scene = scene(scenario, &mut prepared, &options.cache, progress)?;
+    let scene = build_scene(scenario, &mut prepared, &options.cache, progress)?;
     let horizons = lap(start);
 
-    let imaging = super::scene::imaging(scenario)?;
+    let imaging = scene::imaging(scenario)?;
     let session = renderer.session(&scene)?;
     let adapter = session.adapter().to_owned();
     let run = record::run(scenario, &prepared, &scene, &adapter)?;

@@ -41,7 +41,7 @@ pub struct Timing {
 
 /// An image's light before the detector: its parts, the upper one first.
 #[derive(Debug)]
-pub struct Taken {
+pub struct Capture {
     parts: Vec<OwnedPart>,
     /// What the device spent, where it can tell.
     pub device: Duration,
@@ -62,8 +62,8 @@ impl OwnedPart {
 
 impl Imaging {
     /// Takes the image of a view from the poses of each band's moments; exposure and lights are the view's.
-    pub fn take(&self, session: &mut Session, view: &View, poses: &[Vec<Pose>]) -> Result<Taken, RenderError> {
-        let mut taken = Taken { parts: Vec::new(), device: Duration::ZERO };
+    pub fn take(&self, session: &mut Session, view: &View, poses: &[Vec<Pose>]) -> Result<Capture, RenderError> {
+        let mut taken = Capture { parts: Vec::new(), device: Duration::ZERO };
         let mut poses = poses.iter();
         for piece in self.timing.shutter.pieces(self.timing.rows) {
             let bands: Vec<(Band, Vec<View>)> = piece
@@ -94,7 +94,7 @@ impl Timing {
     }
 }
 
-impl Taken {
+impl Capture {
     /// The image of the light, as the detector sees it.
     pub fn image(&self, scene: &Scene, detector: Option<&Detector>) -> Image {
         planes::image_of(scene, detector, &self.parts())

@@ -91,7 +91,7 @@ struct Table {
 
 /// What a session keeps besides its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Kept {
+pub struct CacheSize {
     /// Compiled programs.
     pub programs: usize,
     /// Tables of rays.
@@ -173,8 +173,8 @@ impl Passes {
         self.device_time
     }
 
-    pub fn kept(&self) -> Kept {
-        Kept { programs: self.programs.len(), tables: self.tables.len() }
+    pub fn cache_size(&self) -> CacheSize {
+        CacheSize { programs: self.programs.len(), tables: self.tables.len() }
     }
 
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.

@@ -11,7 +11,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::passes::{Kept, Passes};
+use super::passes::{CacheSize, Passes};
 use super::planes::{self, Samples};
 use super::{Image, Rays, RenderError, Scene, View, reference};
 use crate::gpu::Gpu;
@@ -116,7 +116,7 @@ impl Session {
     }
 
     /// How much is kept from view to view besides the scene.
-    pub fn kept(&self) -> Kept {
-        self.passes.as_ref().map_or_else(Kept::default, |passes| passes.kept())
+    pub fn cache_size(&self) -> CacheSize {
+        self.passes.as_ref().map_or_else(CacheSize::default, |passes| passes.cache_size())
     }
 }

@@ -244,7 +244,7 @@ pub struct Cost {
 
 /// A method's options under a name for benches.
 #[derive(Debug, Clone, Copy)]
-pub struct Named {
+pub struct NamedMethod {
     pub name: &'static str,
     pub bench: Bench,
     /// Whether hard cases are tried with it.
@@ -268,7 +268,7 @@ pub enum Bench {
 /// Methods that share a folder.
 #[derive(Debug)]
 pub struct Family {
-    pub named: &'static [Named],
+    pub named: &'static [NamedMethod],
     /// Names with a parameter, for people.
     pub patterns: &'static [&'static str],
     pub parse: fn(&str) -> Option<Box<dyn MethodOptions>>,

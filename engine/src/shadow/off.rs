@@ -2,10 +2,16 @@
 
 use std::sync::Arc;
 
-use super::method::{Bench, Family, Ingredients, MethodOptions, Named, PrepareError, ShadowMethod};
+use super::method::{Bench, Family, Ingredients, MethodOptions, NamedMethod, PrepareError, ShadowMethod};
 
 pub const FAMILY: Family = Family {
-    named: &[Named { name: "none", bench: Bench::Usual, hard_cases: false, auto: false, options: || Box::new(Off) }],
+    named: &[NamedMethod {
+        name: "none",
+        bench: Bench::Usual,
+        hard_cases: false,
+        auto: false,
+        options: || Box::new(Off),
+    }],
     patterns: &[],
     parse: |_| None,
 };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::horizon_maps::{self, HorizonMaps};
-use super::method::{Bench, Family, MethodOptions, Named, ShadowMethod};
+use super::method::{Bench, Family, MethodOptions, NamedMethod, ShadowMethod};
 use super::off::Off;
 use super::site::Shadow;
 use super::traced::{Traced, TracedShadow};
@@ -16,7 +16,7 @@ const FAMILIES: [&Family; 6] =
     [&traced::FAMILY, &horizon_maps::FAMILY, &towards_sun::FAMILY, &mipmaps::FAMILY, &multiscale::FAMILY, &off::FAMILY];
 
 /// All methods that have a name of their own.
-pub fn all() -> impl Iterator<Item = &'static Named> {
+pub fn all() -> impl Iterator<Item = &'static NamedMethod> {
     FAMILIES.into_iter().flat_map(|family| family.named)
 }
 

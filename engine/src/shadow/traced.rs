@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::device::{DeviceError, DevicePart};
 use super::light::QuantizedLight;
-use super::method::{Bench, Family, Ingredients, MethodOptions, Named, PrepareError, ShadowMethod};
+use super::method::{Bench, Family, Ingredients, MethodOptions, NamedMethod, PrepareError, ShadowMethod};
 use super::site::{Disc, Shadow, Site};
 use super::skylines::{Skylines, UnpreparedLight};
 use crate::geometry::Direction;
@@ -18,7 +18,7 @@ use crate::terrain::Surface;
 const BEYOND_DISC: f64 = 1.01;
 
 pub const FAMILY: Family = Family {
-    named: &[Named {
+    named: &[NamedMethod {
         name: "traced",
         bench: Bench::Unlisted,
         hard_cases: true,

@@ -145,7 +145,7 @@ pub fn run(args: Args) -> Outcome {
     let named: Vec<&NamedArea> = args.area.iter().flatten().collect();
     let areas = named.iter().map(|named| nodes(named, &ground)).collect::<Result<Vec<_>, _>>()?;
     let tracer = Tracer::new(face, &settings).with_pyramids(&ground.surface.pyramids[0]);
-    let look = Look { args: &args, ground: &ground, tracer, track: &track, disk: &disk };
+    let look = PlaceStudy { args: &args, ground: &ground, tracer, track: &track, disk: &disk };
     let mut places = args.at.iter().map(|at| look.at(*at)).collect::<Result<Vec<_>, _>>()?;
 
     let start = Instant::now();
@@ -260,7 +260,7 @@ fn check_memory(args: &Args, blocks: usize) -> Result<(), String> {
 }
 
 /// All that places are looked at with.
-struct Look<'a> {
+struct PlaceStudy<'a> {
     args: &'a Args,
     ground: &'a Ground,
     tracer: Tracer<'a>,
@@ -268,7 +268,7 @@ struct Look<'a> {
     disk: &'a SolarDisk,
 }
 
-impl<'a> Look<'a> {
+impl<'a> PlaceStudy<'a> {
     fn named(&self, name: String, at: Geodetic, node: Option<usize>, place: Place<'a>) -> PlaceResult<'a> {
         let moments = place.moments(self.track, self.disk, self.args.lit);
         let summary = Summary::of(&moments, self.track.step_h());
@@ -298,7 +298,7 @@ impl<'a> Look<'a> {
                 &nights
             }
         };
-        let chosen = illumination::best(values, &face.map, level, self.args.best, self.args.apart);
+        let chosen = illumination::best_places(values, &face.map, level, self.args.best, self.args.apart);
         let named = |(rank, &node): (usize, &usize)| {
             let [column, row] = [node % maps.columns, node / maps.columns].map(|index| index + level.margin);
             let foot = level.lifted_node(column, row);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::sight::{self, Choice};
+use super::view_cone::{self, Choice};
 use super::{Globe, Index, Plan, index};
 use crate::camera::{Camera, Pose};
 use crate::geometry::Body;
@@ -62,7 +62,7 @@ impl DrawnTiles {
     /// The same with the tiles that cameras see from all poses; `ground` is its own, at its coarsest.
     pub fn seen(self, ground: &Surface, camera: &Camera, poses: &[Pose]) -> Self {
         let Choice { cut, posting_px } =
-            sight::choose(&self.tree, &self.dem, ground, camera, poses, self.posting_px, self.most);
+            view_cone::choose(&self.tree, &self.dem, ground, camera, poses, self.posting_px, self.most);
         Self { cut, posting_px, ..self }
     }
 

@@ -25,27 +25,27 @@ pub use options::HorizonMapsOptions;
 pub use presets::ShadowPreset;
 pub use visibility::Visibility;
 
-use super::method::{Bench, Family, MethodOptions, Named};
+use super::method::{Bench, Family, MethodOptions, NamedMethod};
 use super::off::Off;
 use crate::horizon::Encoding;
 
 pub const FAMILY: Family = Family {
     named: &[
-        Named {
+        NamedMethod {
             name: "fourier",
             bench: Bench::Usual,
             hard_cases: true,
             auto: true,
             options: || Box::new(HorizonMapsOptions::default()),
         },
-        Named {
+        NamedMethod {
             name: "fourier-f16",
             bench: Bench::Unlisted,
             hard_cases: true,
             auto: false,
             options: || Box::new(HorizonMapsOptions { encoding: Some(Encoding::F16), ..Default::default() }),
         },
-        Named {
+        NamedMethod {
             name: "baked",
             bench: Bench::Usual,
             hard_cases: true,

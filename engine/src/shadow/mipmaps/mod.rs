@@ -6,26 +6,26 @@ pub mod search;
 pub use options::MipmapsOptions;
 pub use search::{MipmapRuns, Mipmaps};
 
-use super::method::{Bench, Family, MethodOptions, Named};
+use super::method::{Bench, Family, MethodOptions, NamedMethod};
 
 pub const FAMILY: Family = Family {
     named: &[
-        Named {
+        NamedMethod {
             name: "mipmaps-5-5-5",
             bench: Bench::Usual,
             hard_cases: true,
             auto: false,
             options: || runs(&[5, 5, 5]),
         },
-        Named {
+        NamedMethod {
             name: "mipmaps-5-5-5-3",
             bench: Bench::Usual,
             hard_cases: false,
             auto: false,
             options: || runs(&[5, 5, 5, 3]),
         },
-        Named { name: "mipmaps", bench: Bench::Usual, hard_cases: true, auto: false, options: || runs(&[]) },
-        Named {
+        NamedMethod { name: "mipmaps", bench: Bench::Usual, hard_cases: true, auto: false, options: || runs(&[]) },
+        NamedMethod {
             name: "uniform-100",
             bench: Bench::Slow,
             hard_cases: false,

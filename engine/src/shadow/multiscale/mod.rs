@@ -43,13 +43,13 @@ pub use options::MultiscaleOptions;
 
 use super::device::FieldMaker;
 use super::light::QuantizedLight;
-use super::method::{Bench, Family, Named, ShadowMethod};
+use super::method::{Bench, Family, NamedMethod, ShadowMethod};
 use super::skylines::{Field, SkylineSource, UnpreparedLight};
 use crate::gpu::{Gpu, GpuError};
 use crate::terrain::{Gnomonic, Level, Surface, Terrain};
 
 pub const FAMILY: Family = Family {
-    named: &[Named {
+    named: &[NamedMethod {
         name: "multiscale",
         bench: Bench::Slow,
         hard_cases: true,

@@ -17,39 +17,39 @@ pub use swath::Swath;
 pub use sweep::Swept;
 
 use super::fan::STEP_DEG;
-use super::method::{Bench, Family, MethodOptions, Named};
+use super::method::{Bench, Family, MethodOptions, NamedMethod};
 
 pub const FAMILY: Family = Family {
     named: &[
-        Named {
+        NamedMethod {
             name: "swath",
             bench: Bench::Usual,
             hard_cases: true,
             auto: true,
             options: || by(Search::Swath { azimuth_step_deg: STEP_DEG }),
         },
-        Named {
+        NamedMethod {
             name: "sweep",
             bench: Bench::Slow,
             hard_cases: true,
             auto: true,
             options: || by(Search::Sweep { azimuth_step_deg: STEP_DEG }),
         },
-        Named {
+        NamedMethod {
             name: "single-azimuth",
             bench: Bench::Slow,
             hard_cases: true,
             auto: false,
             options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Sloped }),
         },
-        Named {
+        NamedMethod {
             name: "single-azimuth-level",
             bench: Bench::Slow,
             hard_cases: true,
             auto: false,
             options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Level }),
         },
-        Named {
+        NamedMethod {
             name: "single-azimuth-hard",
             bench: Bench::Slow,
             hard_cases: true,

@@ -61,7 +61,7 @@ pub fn choose(
         Image { camera, pose, radius_m }.footprints(reach_rad)
     };
     let footprints = poses.par_iter().flat_map_iter(footprints).collect::<Vec<_>>();
-    let sights = poses.iter().map(|pose| Sight::new(tree, dem, camera, pose)).collect::<Vec<_>>();
+    let sights = poses.iter().map(|pose| ViewCone::new(tree, dem, camera, pose)).collect::<Vec<_>>();
     let may_be_seen = |tile| {
         let parts = parts(tree, dem, tile);
         sights.par_iter().any(|sight| sight.may_see(tree, tile, &parts))
@@ -198,7 +198,7 @@ fn parts(tree: &QuadTree, dem: &GlobalDem, tile: TileId) -> Vec<Part> {
 }
 
 /// What a camera may see from a pose.
-struct Sight {
+struct ViewCone {
     from: Position<BodyFixed>,
     boresight: DVec3,
     half_width_rad: f64,
@@ -206,7 +206,7 @@ struct Sight {
     limb_rad: f64,
 }
 
-impl Sight {
+impl ViewCone {
     fn new(tree: &QuadTree, dem: &GlobalDem, camera: &Camera, pose: &Pose) -> Self {
         let lowest_m = tree.body.polar_radius_m.min(tree.body.equatorial_radius_m) + dem.lowest_m;
         let limb_rad = |radius_m: f64| (lowest_m / radius_m).min(1.0).acos();

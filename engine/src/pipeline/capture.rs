@@ -3,14 +3,14 @@
 use super::{Error, Exposure, Prepared};
 use crate::camera::{Detector, Pose};
 use crate::labels;
-use crate::render::{Image, Imaging, Scene, Session, Taken, Timing, View};
+use crate::render::{Capture, Image, Imaging, Scene, Session, Timing, View};
 use crate::scenario::{AutoExposure, Scenario};
 use crate::shadow::Skylines;
 
 /// An image's light, and how it came about.
 #[derive(Debug)]
-pub struct Shot {
-    pub taken: Taken,
+pub struct CapturedExposure {
+    pub light: Capture,
     /// The scenario's, or the one that was chosen.
     pub exposure_s: f64,
     /// Times from the epoch and poses of the image's bands, where there are several.
@@ -25,40 +25,45 @@ pub struct Shot {
     pub skylines: Skylines,
 }
 
-impl Shot {
+impl CapturedExposure {
     /// What the detector makes of it.
     pub fn image(&self, scene: &Scene) -> Image {
-        self.taken.image(scene, self.detector.as_ref())
+        self.light.image(scene, self.detector.as_ref())
     }
 }
 
 /// Takes an exposure.
-pub fn take(prepared: &Prepared, imaging: &Imaging, session: &mut Session, exposure: &Exposure) -> Result<Shot, Error> {
+pub fn take(
+    prepared: &Prepared,
+    imaging: &Imaging,
+    session: &mut Session,
+    exposure: &Exposure,
+) -> Result<CapturedExposure, Error> {
     let Prepared { almanac, frame, points, motions, .. } = prepared;
     let (scenario, motion) = (&points[exposure.point], &motions[exposure.point]);
     let detector = exposure.view.detector.clone();
-    let mut light = |timing: Timing, exposure_s: f64| -> Result<(Taken, Vec<Vec<Pose>>), Error> {
+    let mut captured = |timing: Timing, exposure_s: f64| -> Result<(Capture, Vec<Vec<Pose>>), Error> {
         let imaging = Imaging { timing, ..imaging.clone() };
         let poses = motion.poses(almanac, frame, exposure.epoch, &timing.times_s(exposure_s))?;
         Ok((imaging.take(session, &exposure.view, &poses)?, poses))
     };
     let (timing, written_s) = (imaging.timing, scenario.camera.exposure_s);
-    let (taken, poses, exposure_s) = match scenario.camera.auto_exposure.zip(detector.as_ref()) {
+    let (light, poses, exposure_s) = match scenario.camera.auto_exposure.zip(detector.as_ref()) {
         None => {
-            let (taken, poses) = light(timing, written_s)?;
-            (taken, poses, written_s)
+            let (light, poses) = captured(timing, written_s)?;
+            (light, poses, written_s)
         }
         Some((auto, detector)) => {
             // Light without motion blur tells the time; blur then lasts as long as that.
-            let (still, poses) = light(Timing { moments: 1, ..timing }, written_s)?;
+            let (still, poses) = captured(Timing { moments: 1, ..timing }, written_s)?;
             let chosen_s = chosen_s(&auto, detector, still.focal_plane_irradiance());
             if timing.moments == 1 {
                 (still, poses, chosen_s)
             } else {
                 let device = still.device;
-                let (mut taken, poses) = light(timing, chosen_s)?;
-                taken.device += device;
-                (taken, poses, chosen_s)
+                let (mut light, poses) = captured(timing, chosen_s)?;
+                light.device += device;
+                (light, poses, chosen_s)
             }
         }
     };
@@ -67,7 +72,7 @@ pub fn take(prepared: &Prepared, imaging: &Imaging, session: &mut Session, expos
     let detector = detector.map(|detector| Detector { exposure_s, ..detector });
     let needs_light = needs_light(scenario, &exposure.view);
     let skylines = if needs_light { session.skylines()? } else { Skylines::default() };
-    Ok(Shot { taken, exposure_s, bands, first_rows, psf_cut_off, detector, skylines })
+    Ok(CapturedExposure { light, exposure_s, bands, first_rows, psf_cut_off, detector, skylines })
 }
 
 /// Whether labels of a scenario's exposures ask which ground the Sun lights.

@@ -4,7 +4,7 @@ use super::blocks::Blocks;
 use crate::terrain::{Gnomonic, Level};
 
 /// Nodes by falling value, each at least `apart_m` from those before it; at most `count`. NaN is no value.
-pub fn best(values: &[f32], map: &Gnomonic, level: &Level, count: usize, apart_m: f64) -> Vec<usize> {
+pub fn best_places(values: &[f32], map: &Gnomonic, level: &Level, count: usize, apart_m: f64) -> Vec<usize> {
     let blocks = Blocks::of(level);
     let mut order: Vec<usize> = (0..values.len()).filter(|node| values[*node].is_finite()).collect();
     // Of equals the first.
