@@ -32,35 +32,19 @@
 //! Max (1988), The Visual Computer 4, 109, doi:10.1007/BF01905562, for the uniform disc.
 
 mod fast;
+mod light;
 mod quadrature;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use fast::Fast;
 use glam::DVec2;
+pub use light::DiskLight;
+use light::HalfPlane;
 use quadrature::Quadrature;
 
 use super::quadrature::gauss_legendre;
 use super::{Facet, HorizonLine, LimbDarkening, PhotometryError};
-
-/// What is seen of the disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DiskLight {
-    /// Share of the disc's light, 0 to 1.
-    pub fraction: f64,
-    /// Share times the centroid of what is seen, in solar radii of the tangent plane.
-    pub moment: DVec2,
-}
-
-impl DiskLight {
-    pub const NONE: Self = Self { fraction: 0.0, moment: DVec2::ZERO };
-    pub const FULL: Self = Self { fraction: 1.0, moment: DVec2::ZERO };
-
-    /// Irradiance of the facet over that of a plane that faces the whole Sun.
-    pub fn irradiance_factor(&self, facet: Facet, angular_radius_rad: f64) -> f64 {
-        (angular_radius_rad * (facet.height * self.fraction + facet.slope.dot(self.moment))).max(0.0)
-    }
-}
 
 /// The Sun's disc with its limb darkening, in units of its own radius: a sum of discs whose radiance is a power of `μ`.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,13 +58,6 @@ struct Part {
     weight: f64,
     believed: Quadrature,
     fast: Fast,
-}
-
-/// The part of the plane with `normal·q ≥ height`; `normal` has length 1.
-#[derive(Debug, Clone, Copy)]
-struct HalfPlane {
-    normal: DVec2,
-    height: f64,
 }
 
 impl SolarDisk {
@@ -237,14 +214,6 @@ impl Cut {
             [(_, true), _] => Self::One(own),
             _ => Self::Both(horizon, own),
         }
-    }
-}
-
-impl HalfPlane {
-    /// Where `constant + gradient·q ≥ 0`.
-    fn new(gradient: DVec2, constant: f64) -> Self {
-        let length = gradient.length().max(f64::MIN_POSITIVE);
-        Self { normal: gradient / length, height: -constant / length }
     }
 }
 

@@ -13,8 +13,8 @@
 //! The quadrature of the parent module is the truth this is held to: 1e-6 of the whole Sun.
 
 use super::super::quadrature::gauss_legendre;
+use super::light::{DiskLight, HalfPlane};
 use super::quadrature::Quadrature;
-use super::{DiskLight, HalfPlane};
 
 /// Knots of a table over `u` from 0 to 1.
 const KNOTS: usize = 129;

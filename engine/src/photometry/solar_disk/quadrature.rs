@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec2;
 
 use super::super::quadrature::{gauss_legendre, integrate};
-use super::{DiskLight, HalfPlane};
+use super::light::{DiskLight, HalfPlane};
 
 /// A disc and the rule that sums it.
 #[derive(Debug, Clone, PartialEq)]
