@@ -21,7 +21,7 @@ const SCENARIO: &str = r#"(
         (t_s: 10, latitude_deg: -85, longitude_deg: 0, height_m: 1000),
     ]),
     pointing: (towards: Nadir),
-    camera: (columns: 48, rows: 32, field_of_view_deg: 40, exposure_s: 0.01, psf: [Gaussian(sigma_px: 0.7)], moments: 3),
+    camera: (columns: 48, rows: 32, field_of_view_deg: 40, pixel_pitch_um: 5, band_nm: (400, 700), exposure_s: 0.01, psf: [Gaussian(sigma_px: 0.7)], moments: 3),
     detector: (quantum_efficiency: 0.5, full_well_e: 30000, gain_e_per_dn: 10, bits: 12, read_noise_e: 5),
     exposures: Series(start: "2026-11-24T00:00:00 UTC", step_s: 10, count: 2),
     outputs: (planes: [radiance, digital_number, range]),

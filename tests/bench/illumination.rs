@@ -10,7 +10,7 @@ use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, Request, Settings};
 use perilune_engine::illumination::{
-    Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best,
+    Area, AreaSummary, Lit, Maps, Seen, Series, Skylines, Study, Swept, Traced, Track, best_places,
 };
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Silent;

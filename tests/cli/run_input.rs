@@ -197,9 +197,10 @@ fn a_disk_error_is_told_in_the_systems_words() {
 
 #[test]
 fn exposures_that_the_scenario_does_not_have_are_refused() {
-    for (frames, said) in [("4..9", "--frames 4..9"), ("2..5", "--frames 2..5"), ("3..1", "--frames 3..1")] {
+    for frames in ["4..9", "2..5", "3..1"] {
         let refusal = refusal(&Run::of(SMALL), &["--frames", frames]);
-        assert!(refusal.contains(said) && refusal.contains("the scenario has 4"), "{refusal}");
+        assert!(refusal.contains(frames) && refusal.contains("--frames"), "{refusal}");
+        assert!(refusal.contains("the scenario has 4"), "{refusal}");
     }
 }
 

@@ -123,7 +123,7 @@ fn resolved(folder: &TempDir, place: [f64; 3], terrain: &str, horizon: &str, cam
     );
     let path = folder.path().join("scenario.ron");
     std::fs::write(&path, &text).unwrap();
-    scenario::resolve(&path, &text, &SearchPath::of(&path, &[]), &|_| None).unwrap()
+    scenario::resolve(&path, &text, &SearchPath::of(&path, &[fixtures::data_folder()]), &|_| None).unwrap()
 }
 
 fn ready(scenario: &Scenario, cache: &Path) -> (Prepared, Scene) {
