@@ -8,6 +8,7 @@
 pub mod bounce;
 mod bounced_light;
 mod diffuse;
+mod error;
 pub mod facet;
 pub mod image;
 pub mod imaging;
@@ -22,25 +23,10 @@ pub mod view;
 
 pub use bounce::Bounce;
 pub use diffuse::Diffuse;
+pub use error::RenderError;
 pub use image::{Image, Plane, Quantity};
 pub use imaging::{Capture, Imaging, Timing};
 pub use passes::{CacheSize, DeviceGround};
 pub use planes::{LIT_SHARE, Samples};
 pub use session::{Renderer, Session};
 pub use view::{AlbedoRole, Ambient, Light, Rays, Scene, View, ViewRays};
-
-use crate::gpu::GpuError;
-use crate::shadow::{DeviceError, UnpreparedLight};
-
-/// What can go wrong while rendering.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    #[error("{got} lights, skylines that are found in advance are kept for at most {allowed}")]
-    TooManyLights { got: usize, allowed: usize },
-    #[error(transparent)]
-    UnpreparedLight(#[from] UnpreparedLight),
-}
