@@ -17,8 +17,8 @@ const SCENARIO: &str = r#"(
     ]),
     horizon: Settings(azimuths: 64),
     trajectory: Waypoints(height_above: Terrain, points: [
-        (t_s: 0, latitude_deg: -85.02, longitude_deg: 0, height_m: 1500),
-        (t_s: 10, latitude_deg: -85, longitude_deg: 0, height_m: 1000),
+        (t_s: -1, latitude_deg: -85.02, longitude_deg: 0, height_m: 1500),
+        (t_s: 11, latitude_deg: -85, longitude_deg: 0, height_m: 1000),
     ]),
     pointing: (towards: Nadir),
     camera: (columns: 48, rows: 32, field_of_view_deg: 40, pixel_pitch_um: 5, band_nm: (400, 700), exposure_s: 0.01, psf: [Gaussian(sigma_px: 0.7)], moments: 3),

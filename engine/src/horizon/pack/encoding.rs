@@ -302,13 +302,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_schema_has_what_is_shipped_and_the_others_parse() {
-        let schema = serde_json::to_string(&schemars::schema_for!(Encoding)).unwrap();
+    fn the_schema_offers_what_is_shipped_and_the_others_parse() {
+        let schema = serde_json::to_value(schemars::schema_for!(Encoding)).unwrap();
+        let variants = schema["oneOf"].as_array().unwrap();
         for encoding in Encoding::ALL {
-            let variant = format!("\"{encoding:?}\"");
-            assert_eq!(serde_json::from_str::<Encoding>(&variant).unwrap(), encoding);
+            let written = format!("{encoding:?}");
+            assert_eq!(serde_json::from_str::<Encoding>(&format!("\"{written}\"")).unwrap(), encoding);
             assert_eq!(encoding.name().parse::<Encoding>().unwrap(), encoding);
-            assert_eq!(schema.contains(&variant), Encoding::SHIPPED.contains(&encoding), "{variant} in {schema}");
+            let variant = variants.iter().find(|variant| variant["const"] == written.as_str()).unwrap();
+            assert_eq!(variant["deprecated"].is_null(), Encoding::SHIPPED.contains(&encoding), "{variant}");
         }
         assert!("f5".parse::<Encoding>().unwrap_err().to_string().ends_with("allowed are fm16, w21, q"));
     }
