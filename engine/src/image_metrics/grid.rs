@@ -6,6 +6,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::grid::cubic_weights;
+
 /// An image. The centre of pixel (0, 0), top left, is the point (0, 0).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
@@ -126,7 +128,7 @@ impl Grid {
         // Sums of rounded numbers return to a pixel's centre within this.
         let at = if (at - nearest).abs().max_element() < 1e-9 { nearest } else { at };
         let (x, y) = (at.x.floor(), at.y.floor());
-        let (wx, wy) = (keys(at.x - x), keys(at.y - y));
+        let (wx, wy) = (cubic_weights(at.x - x), cubic_weights(at.y - y));
         let mut sum = 0.0;
         for (j, wy) in wy.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
             for (i, wx) in wx.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
@@ -145,16 +147,6 @@ impl Grid {
         let pairs = self.values.iter().zip(&other.values).map(|(&a, &b)| (a, b));
         pairs.filter(|(a, b)| a.is_finite() && b.is_finite())
     }
-}
-
-/// Keys' weights of the samples at −1, 0, 1, 2 for a point at `t` between 0 and 1.
-fn keys(t: f64) -> [f64; 4] {
-    if t == 0.0 {
-        return [0.0, 1.0, 0.0, 0.0];
-    }
-    let near = |t: f64| 1.0 + t * t * (1.5 * t - 2.5);
-    let far = |t: f64| 2.0 + t * (-4.0 + t * (2.5 - 0.5 * t));
-    [far(1.0 + t), near(t), near(1.0 - t), far(2.0 - t)]
 }
 
 #[cfg(test)]
