@@ -101,7 +101,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         ],
         tables: vec![table],
         plots: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     })
 }
 

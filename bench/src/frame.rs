@@ -95,7 +95,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         notes: notes(&adapter, options.repeat),
         tables: vec![stages, images, rays],
         plots: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     })
 }
 

@@ -138,7 +138,7 @@ pub fn run_encodings(
         ],
         plots: Vec::new(),
         tables: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     };
     let usual = if options.quick && only.is_empty() { &ENCODED[..2] } else { &ENCODED[..] };
     let names = usual.iter().filter(|name| only.is_empty() || only.iter().any(|only| only == *name));
@@ -252,7 +252,7 @@ impl Tables {
             notes: notes.to_vec(),
             plots: std::iter::once(speed_and_error(self)).chain(shadows::plots(shadows)).collect(),
             tables: all.into_iter().filter(|table| !table.rows.is_empty()).cloned().collect(),
-            pictures: Vec::new(),
+            figures: Vec::new(),
         }
     }
 }

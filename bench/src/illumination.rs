@@ -131,7 +131,7 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         ],
         tables: Vec::new(),
         plots: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     };
     let folder = options.folders.iter().map(|folder| folder.join("kernels")).find(|folder| holds_kernels(folder));
     let Some(folder) = folder else {

@@ -83,7 +83,7 @@ pub fn run(data: &[PathBuf]) -> Result<Report, Error> {
         notes,
         tables: vec![table],
         plots: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     })
 }
 

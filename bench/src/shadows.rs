@@ -27,7 +27,7 @@ use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, Prepared, Progress};
 use perilune_engine::render::planes::Radiometry;
 use perilune_engine::render::{Quantity, Renderer, Samples, Scene, Session, View};
-use perilune_engine::report::Picture;
+use perilune_engine::report::Figure;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
 use perilune_engine::scenario::{self, Scenario};
 use perilune_engine::shadow::registry;
@@ -298,7 +298,7 @@ fn report(
     let full_w_m2 = view.lights[0].irradiance_w_m2;
     let mut methods =
         Table::new("methods", "Shadows against traced ones; errors in shares of full Sun", &METHOD_COLUMNS);
-    let mut pictures = Vec::new();
+    let mut figures = Vec::new();
     let mut points = Vec::new();
     for trial in trials {
         let found = compare(&truth.samples.pixels, &trial.samples.pixels, ground, full_w_m2);
@@ -310,7 +310,7 @@ fn report(
         row.extend([trial.device_seconds, trial.first_seconds].map(Value::from));
         methods.rows.push(row);
         points.push(Curve { name: trial.method.clone(), points: vec![[trial.seconds, all.rms]], joined: false });
-        pictures.push(picture(scenario, truth, trial, ground)?);
+        figures.push(picture(scenario, truth, trial, ground)?);
     }
     let mut row = vec![Value::Text(truth.method.clone()), 100.0.into()];
     row.extend([0.0; 10].map(Value::from));
@@ -337,12 +337,12 @@ fn report(
             y: Axis::logarithmic("RMS error of irradiance [full Sun]"),
             curves: points,
         }],
-        pictures,
+        figures,
     })
 }
 
 /// Grey radiance of the truth; red where the truth is dark and the method lit, blue where it is the other way round.
-fn picture(scenario: &Scenario, truth: &Trial, trial: &Trial, ground: &[bool]) -> Result<Picture, Error> {
+fn picture(scenario: &Scenario, truth: &Trial, trial: &Trial, ground: &[bool]) -> Result<Figure, Error> {
     let radiances = || truth.samples.pixels.iter().map(|pixel| f64::from(pixel.radiance_w_m2_sr));
     let white = Errors::of(radiances().filter(|radiance| radiance.is_finite())).p99.max(f64::MIN_POSITIVE);
     let colour = |index: usize| {
@@ -364,5 +364,5 @@ fn picture(scenario: &Scenario, truth: &Trial, trial: &Trial, ground: &[bool]) -
         .write_to(&mut png, image::ImageFormat::Png)
         .map_err(|source| perilune_engine::report::Error::Png { name: name.clone(), source })?;
     let caption = format!("{}: red is lit where the truth is dark, blue dark where the truth is lit", trial.method);
-    Ok(Picture { name, caption, png: png.into_inner() })
+    Ok(Figure { name, caption, png: png.into_inner() })
 }

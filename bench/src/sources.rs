@@ -59,7 +59,7 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, Error> 
         ],
         tables,
         plots,
-        pictures: Vec::new(),
+        figures: Vec::new(),
     })
 }
 

@@ -61,7 +61,7 @@ fn horizon_maps_agree_with_traced_shadows_and_no_shadows_do_not() {
     for (method, least) in exact.into_iter().chain(others) {
         assert!(agreement(method) > least, "{method}: {}", report.text());
     }
-    assert!(report.pictures.iter().all(|picture| picture.png.starts_with(b"\x89PNG")));
+    assert!(report.figures.iter().all(|figure| figure.png.starts_with(b"\x89PNG")));
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn each_elevation_gets_its_rows_and_a_plot_with_a_frontier() {
         Value::Number(number) => number,
         _ => f64::NAN,
     };
-    assert_eq!((rows.len(), report.plots.len(), report.pictures.len()), (6, 2, 3));
+    assert_eq!((rows.len(), report.plots.len(), report.figures.len()), (6, 2, 3));
     for first in [0, 3] {
         let [none, fourier, baked] = [first, first + 1, first + 2];
         assert!(number(none, "RMS") > 2.0 * number(fourier, "RMS"), "{}", report.text());

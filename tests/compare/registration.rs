@@ -3,7 +3,7 @@
 use glam::DVec2;
 use perilune_engine::compare::photometric::Response;
 use perilune_engine::compare::register::{Freedom, Motion, register, register_detail, warped};
-use perilune_engine::compare::{Error, Grid, Model};
+use perilune_engine::compare::{Error, Model, ScalarImage};
 
 const SIZE: usize = 200;
 
@@ -20,13 +20,13 @@ fn scene(at: DVec2) -> f64 {
         .sum()
 }
 
-fn image(value: impl Fn(DVec2) -> f64) -> Grid {
+fn image(value: impl Fn(DVec2) -> f64) -> ScalarImage {
     let at = |i: usize| DVec2::new((i % SIZE) as f64, (i / SIZE) as f64);
-    Grid::new(SIZE, SIZE, (0..SIZE * SIZE).map(|i| value(at(i))).collect())
+    ScalarImage::new(SIZE, SIZE, (0..SIZE * SIZE).map(|i| value(at(i))).collect())
 }
 
 /// The scene as a photograph of a motion shows it, written out once more.
-fn photographed(shift: [f64; 2], rotation_rad: f64, scale: f64) -> Grid {
+fn photographed(shift: [f64; 2], rotation_rad: f64, scale: f64) -> ScalarImage {
     let middle = (SIZE as f64 - 1.0) / 2.0;
     let (sin, cos) = rotation_rad.sin_cos();
     image(|p| {
@@ -37,11 +37,11 @@ fn photographed(shift: [f64; 2], rotation_rad: f64, scale: f64) -> Grid {
 }
 
 /// Without what the high-pass (a Gaussian of 10 px, 35 px wide) sees of the edges.
-fn inner(image: &Grid) -> Grid {
+fn inner(image: &ScalarImage) -> ScalarImage {
     image.without_border(36, 36)
 }
 
-fn high(image: &Grid) -> Grid {
+fn high(image: &ScalarImage) -> ScalarImage {
     image.high_pass(10.0)
 }
 
@@ -100,7 +100,7 @@ fn the_stated_errors_are_those_made() {
                 - 6.0
         };
         let values = clean.values.iter().map(|value| value + 0.3 * noise()).collect();
-        let photo = Grid::new(SIZE, SIZE, values);
+        let photo = ScalarImage::new(SIZE, SIZE, values);
         let found = register(&inner(&high(&photo)), &high(&image(scene)), Freedom::Similarity).unwrap();
         let (m, s) = (found.motion, found.sigma);
         for (error, sigma) in [
@@ -121,7 +121,8 @@ fn the_stated_errors_are_those_made() {
 #[test]
 fn blur_lowers_the_likeness_and_moves_nothing() {
     let photo = photographed([1.2, 0.7], 0.0, 0.0);
-    let alike = |photo: &Grid| register(&inner(&high(photo)), &high(&image(scene)), Freedom::Similarity).unwrap();
+    let alike =
+        |photo: &ScalarImage| register(&inner(&high(photo)), &high(&image(scene)), Freedom::Similarity).unwrap();
     let (sharp, blurred) = (alike(&photo), alike(&photo.blurred(4.0)));
     assert!(blurred.correlation < sharp.correlation - 0.005, "{} {}", blurred.correlation, sharp.correlation);
     let moved = DVec2::from(blurred.motion.shift_px) - DVec2::new(1.2, 0.7);

@@ -23,7 +23,7 @@ use perilune_engine::horizon::HorizonMap;
 use perilune_engine::pipeline::{self, Prepared, Progress, motion};
 use perilune_engine::quantity::ASTRONOMICAL_UNIT_M;
 use perilune_engine::render::{Renderer, Scene, View};
-use perilune_engine::report::Picture;
+use perilune_engine::report::Figure;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
 use perilune_engine::scenario::{FixedSun, Scenario};
 use perilune_engine::statistics::median;
@@ -57,13 +57,13 @@ pub fn run(
     let columns = [&COLUMNS[..], &ERRORS].concat();
     let mut table =
         Table::new("methods", "Time, memory and error against traced shadows; errors in shares of full Sun", &columns);
-    let (mut plots, mut pictures) = (Vec::new(), Vec::new());
+    let (mut plots, mut figures) = (Vec::new(), Vec::new());
     for (index, &elevation_deg) in elevations_deg.iter().enumerate() {
         let name = format!("sun_{elevation_deg}");
         let found = kept.step(&name, || bench.measure_all(elevation_deg, index == 0, progress))?;
         plots.push(pareto(elevation_deg, found.points));
         table.rows.extend(found.rows);
-        pictures.extend(found.pictures);
+        figures.extend(found.pictures);
         notes.extend(found.notes);
     }
     kept.end()?;
@@ -74,7 +74,7 @@ pub fn run(
         notes,
         tables: vec![table],
         plots,
-        pictures,
+        figures,
     })
 }
 
@@ -84,7 +84,7 @@ struct Found {
     rows: Vec<Vec<Value>>,
     /// Methods with the time of a frame and the RMS error.
     points: Vec<(String, [f64; 2])>,
-    pictures: Vec<Picture>,
+    pictures: Vec<Figure>,
     notes: Vec<String>,
 }
 

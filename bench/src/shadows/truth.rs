@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::methods::MethodFactory;
 use super::{Comparison, Trial, compare, level_of, trial};
 use crate::{Error, Value};
-use perilune_engine::image_metrics::{Grid, edges, flip, ssim};
+use perilune_engine::image_metrics::{ScalarImage, edges, flip, ssim};
 use perilune_engine::render::planes::Radiometry;
 use perilune_engine::render::{Quantity, Renderer, Scene, View};
 use perilune_engine::scenario::Scenario;
@@ -74,7 +74,7 @@ impl Truth {
         let grid = |trial: &Trial, value: &dyn Fn(&Radiometry) -> f64| {
             let pixels = trial.samples.pixels.iter().zip(&self.ground);
             let values = pixels.map(|(pixel, ground)| if *ground { value(pixel) } else { f64::NAN }).collect();
-            Grid::new(columns, rows, values)
+            ScalarImage::new(columns, rows, values)
         };
         let shown = |trial: &Trial| {
             grid(trial, &|pixel| (f64::from(pixel.radiance_w_m2_sr) / self.white).clamp(0.0, 1.0).powf(1.0 / 2.2))

@@ -18,7 +18,7 @@ use crate::scenes::Scene;
 use crate::{Error, Table, Value};
 use perilune_engine::horizon::settings::direction;
 use perilune_engine::horizon::{Encoding, Horizon, Settings};
-use perilune_engine::image_metrics::{Grid, flip, ssim};
+use perilune_engine::image_metrics::{ScalarImage, flip, ssim};
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::report::plot::{Axis, Curve, Plot};
@@ -141,7 +141,7 @@ fn hard_shadows(
     let truth = patch.suns();
     let image = |elevations_rad: &[f32]| {
         let lit = |elevation_rad: &f32| f64::from(u8::from(f64::from(*elevation_rad) < sun_rad));
-        Grid::new(patch.columns, patch.rows, elevations_rad.iter().map(lit).collect())
+        ScalarImage::new(patch.columns, patch.rows, elevations_rad.iter().map(lit).collect())
     };
     let (mut curves, mut baseline) = (Vec::new(), f64::NAN);
     for encoding in ENCODINGS {

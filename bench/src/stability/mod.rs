@@ -58,7 +58,7 @@ pub fn run(cache: &Path, progress: &dyn Progress) -> Result<Report, Error> {
         ],
         tables: vec![summary(&outcomes), matrix(&cases, &outcomes), list(&cases, &outcomes), elsewhere::table()],
         plots: Vec::new(),
-        pictures: Vec::new(),
+        figures: Vec::new(),
     })
 }
 

@@ -12,16 +12,16 @@ use super::register::{Freedom, Registration, register_detail, warped};
 use super::render::{RenderSession, Trial};
 use super::request::Law;
 use super::resolution::Resolution;
-use super::{Error, Grid};
+use super::{Error, ScalarImage};
 use crate::photometry::{LimbDarkening, SolarDisk};
 use crate::pipeline::Progress;
 
 /// What all rows share.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
-    pub photo: &'a Grid,
+    pub photo: &'a ScalarImage,
     /// The main row's render, NaN off the elevation models.
-    pub radiance: &'a Grid,
+    pub radiance: &'a ScalarImage,
     pub resolution: &'a Resolution,
     pub freedom: Freedom,
     pub model: Model,
@@ -96,7 +96,7 @@ pub fn run(
     let count = trials.len();
     progress.begin("ablation", count, "variants");
     let high_pass_px = setting.resolution.high_pass_px;
-    let mut main: Option<Grid> = None;
+    let mut main: Option<ScalarImage> = None;
     let mut rows = Vec::new();
     for (index, trial) in trials.into_iter().enumerate() {
         let radiance = setting.radiance(studio, &trial)?;
@@ -162,19 +162,19 @@ fn vertex(below: f64, middle: f64, above: f64) -> Option<f64> {
 
 impl Setting<'_> {
     /// A variant's radiance at the resolution compared, where the main one has ground.
-    fn radiance(&self, studio: &mut RenderSession, trial: &Trial) -> Result<Grid, Error> {
+    fn radiance(&self, studio: &mut RenderSession, trial: &Trial) -> Result<ScalarImage, Error> {
         let radiance = self.resolution.seen(studio.radiance(trial)?);
         Ok(radiance.zip(self.radiance, |value, main| if main.is_nan() { main } else { value }))
     }
 
-    fn registration(&self, radiance: &Grid) -> Result<Registration, Error> {
+    fn registration(&self, radiance: &ScalarImage) -> Result<Registration, Error> {
         let high_pass_px = self.resolution.high_pass_px;
         register_detail(self.photo, radiance, high_pass_px, self.freedom)
     }
 }
 
 /// Over blocks of the image.
-fn excess(photo: &Grid, fitted: &Grid, main: &Grid) -> Excess {
+fn excess(photo: &ScalarImage, fitted: &ScalarImage, main: &ScalarImage) -> Excess {
     let mut blocks = [[0.0_f64; 2]; BLOCKS * BLOCKS];
     for (i, ((p, f), m)) in photo.values.iter().zip(&fitted.values).zip(&main.values).enumerate() {
         if (p + f + m).is_finite() {
@@ -202,7 +202,7 @@ mod tests {
     /// Residuals of 2 against 1 everywhere: three times more square, in every block alike.
     #[test]
     fn twice_the_residual_is_three_times_the_square_more() {
-        let photo = Grid::new(32, 32, vec![10.0; 1024]);
+        let photo = ScalarImage::new(32, 32, vec![10.0; 1024]);
         let Excess { share, error } = excess(&photo, &photo.map(|v| v + 2.0), &photo.map(|v| v - 1.0));
         assert!((share - 3.0).abs() < 1e-12 && error < 1e-12, "{share} {error}");
     }

@@ -4,15 +4,15 @@ use image::{Rgb, RgbImage};
 
 use super::numbers::{range, shown};
 use super::study::Comparison;
-use super::{Error, Grid};
+use super::{Error, ScalarImage};
 use crate::report;
-use crate::report::Picture;
+use crate::report::Figure;
 
 /// Grey of a pixel without a value.
 const MISSING: u8 = 96;
 
 /// Photograph and render on one scale, their difference, and shadow against shadow.
-pub fn pictures(comparison: &Comparison) -> Result<Vec<Picture>, Error> {
+pub fn pictures(comparison: &Comparison) -> Result<Vec<Figure>, Error> {
     let Comparison { photo, fitted, sun_fraction, confusion, .. } = comparison;
     let scale = range(photo);
     let mut pictures = vec![
@@ -30,20 +30,20 @@ pub fn pictures(comparison: &Comparison) -> Result<Vec<Picture>, Error> {
     Ok(pictures)
 }
 
-fn picture(name: &str, caption: &str, image: RgbImage) -> Result<Picture, Error> {
+fn picture(name: &str, caption: &str, image: RgbImage) -> Result<Figure, Error> {
     let mut png = std::io::Cursor::new(Vec::new());
     image
         .write_to(&mut png, image::ImageFormat::Png)
         .map_err(|source| report::Error::Png { name: name.into(), source })?;
-    Ok(Picture { name: name.into(), caption: caption.into(), png: png.into_inner() })
+    Ok(Figure { name: name.into(), caption: caption.into(), png: png.into_inner() })
 }
 
-fn image_of(grid: &Grid, colour: impl Fn(usize) -> [u8; 3]) -> RgbImage {
-    let (columns, rows) = (grid.columns as u32, grid.rows as u32);
+fn image_of(image: &ScalarImage, colour: impl Fn(usize) -> [u8; 3]) -> RgbImage {
+    let (columns, rows) = (image.columns as u32, image.rows as u32);
     RgbImage::from_fn(columns, rows, |column, row| Rgb(colour((row * columns + column) as usize)))
 }
 
-fn grey(image: &Grid) -> RgbImage {
+fn grey(image: &ScalarImage) -> RgbImage {
     image_of(image, |i| {
         let value = image.values[i];
         [if value.is_nan() { MISSING } else { (255.0 * value).round() as u8 }; 3]
@@ -51,7 +51,7 @@ fn grey(image: &Grid) -> RgbImage {
 }
 
 /// −½ blue, 0 white, ½ red.
-fn coloured(difference: &Grid) -> RgbImage {
+fn coloured(difference: &ScalarImage) -> RgbImage {
     image_of(difference, |i| {
         let value = difference.values[i];
         let pale = (255.0 * (1.0 - (2.0 * value.abs()).min(1.0))).round() as u8;
@@ -63,7 +63,7 @@ fn coloured(difference: &Grid) -> RgbImage {
     })
 }
 
-fn shadows(photo: &Grid, fitted: &Grid, sun_fraction: &Grid, threshold: f64) -> RgbImage {
+fn shadows(photo: &ScalarImage, fitted: &ScalarImage, sun_fraction: &ScalarImage, threshold: f64) -> RgbImage {
     image_of(photo, |i| {
         let (photo, fraction) = (photo.values[i], sun_fraction.values[i]);
         if (photo + fraction + fitted.values[i]).is_nan() {

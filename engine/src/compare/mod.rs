@@ -26,7 +26,7 @@ pub mod resolution;
 pub mod scales;
 pub mod study;
 
-pub use crate::image_metrics::{Grid, edges, flip, grid, statistics};
+pub use crate::image_metrics::{ScalarImage, edges, flip, statistics};
 pub use error::Error;
 pub use geometry::Geometry;
 pub use photometric::Model;

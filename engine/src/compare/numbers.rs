@@ -19,7 +19,7 @@
 use serde::Serialize;
 
 use super::statistics::{correlation, spread};
-use super::{Grid, flip};
+use super::{ScalarImage, flip};
 use crate::image_metrics::ssim;
 use crate::statistics::quantile;
 
@@ -49,7 +49,7 @@ pub struct Jung {
 
 impl Numbers {
     /// `render` in radiance, `fitted` in the photograph's numbers, both on its pixels.
-    pub fn of(photo: &Grid, render: &Grid, fitted: &Grid, high_pass_px: f64, dark: f64) -> Self {
+    pub fn of(photo: &ScalarImage, render: &ScalarImage, fitted: &ScalarImage, high_pass_px: f64, dark: f64) -> Self {
         // Only what all share, so that every number is about the same pixels.
         let photo = photo.zip(fitted, |photo, fitted| if fitted.is_nan() { f64::NAN } else { photo });
         let render = render.zip(&photo, |render, photo| if photo.is_nan() { f64::NAN } else { render });
@@ -75,19 +75,20 @@ impl Numbers {
 }
 
 /// From the 0.5 % to the 99.5 % quantile.
-pub fn range(image: &Grid) -> [f64; 2] {
+pub fn range(image: &ScalarImage) -> [f64; 2] {
     let known = || image.values.iter().copied().filter(|value| value.is_finite()).collect::<Vec<_>>();
     [quantile(known(), 0.005), quantile(known(), 0.995)]
 }
 
 /// 0 to 1 over a range.
-pub fn shown(image: &Grid, [low, high]: [f64; 2]) -> Grid {
+pub fn shown(image: &ScalarImage, [low, high]: [f64; 2]) -> ScalarImage {
     image.map(|value| ((value - low) / (high - low)).clamp(0.0, 1.0))
 }
 
 /// Correlation of what a Gaussian takes away from both, where both are known.
-pub fn high_passed(a: &Grid, b: &Grid, sigma_px: f64) -> f64 {
-    let known = |x: &Grid, y: &Grid| x.zip(y, |x, y| if y.is_nan() { f64::NAN } else { x }).high_pass(sigma_px);
+pub fn high_passed(a: &ScalarImage, b: &ScalarImage, sigma_px: f64) -> f64 {
+    let known =
+        |x: &ScalarImage, y: &ScalarImage| x.zip(y, |x, y| if y.is_nan() { f64::NAN } else { x }).high_pass(sigma_px);
     correlation(known(a, b).pairs(&known(b, a)))
 }
 
@@ -99,8 +100,8 @@ fn within(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     (sigma, inside / count)
 }
 
-fn jung(photo: &Grid, render: &Grid, dark: f64) -> Jung {
-    let largest = |image: &Grid| image.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+fn jung(photo: &ScalarImage, render: &ScalarImage, dark: f64) -> Jung {
+    let largest = |image: &ScalarImage| image.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (photo_max, render_max) = (largest(photo), largest(render));
     let errors = photo.pairs(render).map(|(photo, render)| render / render_max - (photo / photo_max - dark).max(0.0));
     let (sigma, within_3_sigma) = within(errors);
@@ -111,9 +112,9 @@ fn jung(photo: &Grid, render: &Grid, dark: f64) -> Jung {
 mod tests {
     use super::*;
 
-    fn image() -> Grid {
+    fn image() -> ScalarImage {
         let value = |i: usize| 100.0 + 60.0 * ((i % 48) as f64 * 0.4).sin() + 20.0 * ((i / 48) as f64 * 0.7).cos();
-        Grid::new(48, 48, (0..48 * 48).map(value).collect())
+        ScalarImage::new(48, 48, (0..48 * 48).map(value).collect())
     }
 
     #[test]

@@ -15,7 +15,7 @@
 
 use serde::Serialize;
 
-use super::Grid;
+use super::ScalarImage;
 use super::statistics::{line, solve};
 
 /// What is fitted.
@@ -72,7 +72,7 @@ const STRAY: f64 = 1.0 / 8.0;
 
 impl Response {
     /// Fits a render, on the photograph's pixels, to the photograph.
-    pub fn fit(model: Model, photo: &Grid, render: &Grid) -> Self {
+    pub fn fit(model: Model, photo: &ScalarImage, render: &ScalarImage) -> Self {
         match model {
             Model::Nothing => Self::Nothing,
             Model::Gain => {
@@ -85,7 +85,7 @@ impl Response {
     }
 
     /// The render as the photograph would show it.
-    pub fn apply(&self, render: &Grid) -> Grid {
+    pub fn apply(&self, render: &ScalarImage) -> ScalarImage {
         match self {
             Self::Nothing => render.clone(),
             Self::Gain { gain, offset } => render.map(|value| gain * value + offset),
@@ -97,11 +97,11 @@ impl Response {
     }
 }
 
-fn scattered(render: &Grid) -> Grid {
+fn scattered(render: &ScalarImage) -> ScalarImage {
     render.blurred(STRAY * render.columns.max(render.rows) as f64)
 }
 
-fn stray(photo: &Grid, render: &Grid) -> Response {
+fn stray(photo: &ScalarImage, render: &ScalarImage) -> Response {
     let glow = scattered(render);
     let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
     for ((&direct, &glow), &photo) in render.values.iter().zip(&glow.values).zip(&photo.values) {
@@ -160,9 +160,9 @@ fn along(knots: &[[f64; 2]], at: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn scene() -> Grid {
+    fn scene() -> ScalarImage {
         let value = |i: usize| 5.0 + 4.0 * ((i % 40) as f64 * 0.31).sin() * ((i / 40) as f64 * 0.23).cos();
-        Grid::new(40, 40, (0..1600).map(value).collect())
+        ScalarImage::new(40, 40, (0..1600).map(value).collect())
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::Grid;
+use super::ScalarImage;
 use super::statistics::spread;
 
 /// Photograph and render along a line towards the Sun.
@@ -33,7 +33,7 @@ const AROUND_PX: f64 = 12.0;
 const APART: f64 = 0.15;
 
 /// Means of the residuals in bins of an angle; bins without pixels are left out.
-pub fn binned(photo: &Grid, fitted: &Grid, angle_deg: &Grid, step_deg: f64) -> Vec<Bin> {
+pub fn binned(photo: &ScalarImage, fitted: &ScalarImage, angle_deg: &ScalarImage, step_deg: f64) -> Vec<Bin> {
     let residual = photo.zip(fitted, |photo, fitted| photo - fitted);
     let bin = |index: usize| {
         let (from_deg, until_deg) = (index as f64 * step_deg, (index + 1) as f64 * step_deg);
@@ -46,7 +46,12 @@ pub fn binned(photo: &Grid, fitted: &Grid, angle_deg: &Grid, step_deg: f64) -> V
 }
 
 /// Lines through the longest rendered shadows.
-pub fn across_shadows(photo: &Grid, fitted: &Grid, sun_fraction: &Grid, towards_sun: DVec2) -> Vec<Profile> {
+pub fn across_shadows(
+    photo: &ScalarImage,
+    fitted: &ScalarImage,
+    sun_fraction: &ScalarImage,
+    towards_sun: DVec2,
+) -> Vec<Profile> {
     let dark = |at: DVec2| sun_fraction.sample(at.round()) < 0.5;
     let mut runs: Vec<(usize, DVec2)> = Vec::new();
     for index in 0..sun_fraction.values.len() {
@@ -81,9 +86,9 @@ mod tests {
 
     #[test]
     fn residuals_fall_into_the_bins_of_their_angle() {
-        let angle = Grid::new(4, 1, vec![1.0, 2.0, 7.0, f64::NAN]);
-        let photo = Grid::new(4, 1, vec![3.0, 5.0, 10.0, 0.0]);
-        let bins = binned(&photo, &Grid::new(4, 1, vec![1.0; 4]), &angle, 5.0);
+        let angle = ScalarImage::new(4, 1, vec![1.0, 2.0, 7.0, f64::NAN]);
+        let photo = ScalarImage::new(4, 1, vec![3.0, 5.0, 10.0, 0.0]);
+        let bins = binned(&photo, &ScalarImage::new(4, 1, vec![1.0; 4]), &angle, 5.0);
         assert_eq!(bins.len(), 2);
         assert_eq!((bins[0].pixels, bins[0].mean, bins[0].sigma), (2, 3.0, 1.0));
         assert_eq!((bins[1].from_deg, bins[1].mean), (5.0, 9.0));
@@ -95,7 +100,7 @@ mod tests {
             let (x, y) = (i % 100, i / 100);
             if (y == 20 && (30..60).contains(&x)) || (y == 70 && (20..30).contains(&x)) { 0.0 } else { 1.0 }
         };
-        let fraction = Grid::new(100, 100, (0..10_000).map(lit).collect());
+        let fraction = ScalarImage::new(100, 100, (0..10_000).map(lit).collect());
         let profiles = across_shadows(&fraction, &fraction, &fraction, DVec2::X);
         assert_eq!(profiles[0].from_px, [18.0, 20.0]);
         assert_eq!(profiles[0].points.iter().filter(|point| point[1] < 0.5).count(), 30);

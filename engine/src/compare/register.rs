@@ -24,7 +24,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::statistics::{correlation, solve};
-use super::{Error, Grid};
+use super::{Error, ScalarImage};
 
 /// What may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -107,18 +107,18 @@ fn middle(columns: usize, rows: usize) -> DVec2 {
 }
 
 /// The render seen through a motion, on the photograph's pixels.
-pub fn warped(render: &Grid, motion: &Motion) -> Grid {
+pub fn warped(render: &ScalarImage, motion: &Motion) -> ScalarImage {
     let (columns, rows) = (render.columns, render.rows);
     let at = |i: usize| DVec2::new((i % columns) as f64, (i / columns) as f64);
     let values = (0..columns * rows).map(|i| render.sample(motion.apply(columns, rows, at(i)))).collect();
-    Grid::new(columns, rows, values)
+    ScalarImage::new(columns, rows, values)
 }
 
 /// Registers a photograph and a render by what a Gaussian takes away from both. What lies beyond an image's edge has no
 /// part in its mean: both are high-passed anew once they cover the same ground.
 pub fn register_detail(
-    photo: &Grid,
-    render: &Grid,
+    photo: &ScalarImage,
+    render: &ScalarImage,
     high_pass_px: f64,
     freedom: Freedom,
 ) -> Result<Registration, Error> {
@@ -134,7 +134,7 @@ pub fn register_detail(
     }
     for _ in 0..REFINEMENTS {
         let moved = warped(render, &found.motion);
-        let shared = |image: &Grid, other: &Grid| {
+        let shared = |image: &ScalarImage, other: &ScalarImage| {
             image.zip(other, |value, other| if other.is_nan() { other } else { value }).high_pass(high_pass_px)
         };
         let (photo, moved) = (shared(photo, &moved), shared(&moved, photo));
@@ -157,7 +157,7 @@ pub fn register_detail(
 }
 
 /// Registers two high-passed images of one size.
-pub fn register(photo: &Grid, render: &Grid, freedom: Freedom) -> Result<Registration, Error> {
+pub fn register(photo: &ScalarImage, render: &ScalarImage, freedom: Freedom) -> Result<Registration, Error> {
     let pixels = photo.pairs(render).count();
     if pixels < LEAST_PIXELS {
         return Err(Error::NothingShared { pixels, allowed: LEAST_PIXELS });
@@ -186,7 +186,7 @@ pub fn register(photo: &Grid, render: &Grid, freedom: Freedom) -> Result<Registr
 }
 
 /// The shift of largest correlation: first among all on coarse images, then about it on finer ones.
-fn whole_pixels(photo: &Grid, render: &Grid) -> [i64; 2] {
+fn whole_pixels(photo: &ScalarImage, render: &ScalarImage) -> [i64; 2] {
     let longer = photo.columns.max(photo.rows);
     let mut factor = longer.div_ceil(COARSE_PX);
     let (mut best, mut reach) = ([0, 0], None);
@@ -204,7 +204,7 @@ fn whole_pixels(photo: &Grid, render: &Grid) -> [i64; 2] {
     }
 }
 
-fn best_shift(photo: &Grid, render: &Grid, about: [i64; 2], reach: i64) -> [i64; 2] {
+fn best_shift(photo: &ScalarImage, render: &ScalarImage, about: [i64; 2], reach: i64) -> [i64; 2] {
     use rayon::prelude::*;
     let side = 2 * reach + 1;
     let shift = |index: i64| [about[0] + index % side - reach, about[1] + index / side - reach];
@@ -219,8 +219,8 @@ fn best_shift(photo: &Grid, render: &Grid, about: [i64; 2], reach: i64) -> [i64;
 }
 
 fn shifted_pairs<'a>(
-    photo: &'a Grid,
-    render: &'a Grid,
+    photo: &'a ScalarImage,
+    render: &'a ScalarImage,
     [dx, dy]: [i64; 2],
 ) -> impl Iterator<Item = (f64, f64)> + Clone + 'a {
     let inside = |count: usize, shift: i64| {
@@ -236,7 +236,7 @@ fn shifted_pairs<'a>(
 }
 
 /// Central differences along columns and rows.
-fn gradient(image: &Grid) -> [Grid; 2] {
+fn gradient(image: &ScalarImage) -> [ScalarImage; 2] {
     let (columns, rows) = (image.columns, image.rows);
     let along = |step: [usize; 2]| {
         let value = |i: usize| {
@@ -247,7 +247,7 @@ fn gradient(image: &Grid) -> [Grid; 2] {
                 _ => f64::NAN,
             }
         };
-        Grid::new(columns, rows, (0..columns * rows).map(value).collect())
+        ScalarImage::new(columns, rows, (0..columns * rows).map(value).collect())
     };
     [along([1, 0]), along([0, 1])]
 }
@@ -257,9 +257,9 @@ const UNKNOWNS: usize = 6;
 type Normal = [[f64; UNKNOWNS]; UNKNOWNS];
 
 struct Fit<'a> {
-    photo: &'a Grid,
-    render: &'a Grid,
-    gradient: [Grid; 2],
+    photo: &'a ScalarImage,
+    render: &'a ScalarImage,
+    gradient: [ScalarImage; 2],
     freedom: Freedom,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::{Error, Geometry, Grid};
+use super::{Error, Geometry, ScalarImage};
 use crate::camera::PosedCamera;
 use crate::geometry::{Body, BodyFixed, Position};
 use crate::gpu::{Adapter, Gpu};
@@ -160,8 +160,8 @@ impl RenderSession {
     }
 
     /// Radiance alone, also of the bare body.
-    pub fn radiance(&mut self, trial: &Trial) -> Result<Grid, Error> {
-        Ok(self.render(trial, &[Quantity::Radiance])?.grid("RADIANCE"))
+    pub fn radiance(&mut self, trial: &Trial) -> Result<ScalarImage, Error> {
+        Ok(self.render(trial, &[Quantity::Radiance])?.values("RADIANCE"))
     }
 
     fn turned(&self, sun: Position<BodyFixed>, [azimuth_rad, elevation_rad]: [f64; 2]) -> Position<BodyFixed> {
@@ -217,9 +217,9 @@ pub struct Planes {
 }
 
 impl Planes {
-    pub fn grid(&self, name: &str) -> Grid {
+    pub fn values(&self, name: &str) -> ScalarImage {
         let plane: &Plane =
             self.image.planes.iter().find(|plane| plane.name == name).expect("a plane that was asked for");
-        Grid::from_f32(self.image.columns, self.image.rows, &plane.values)
+        ScalarImage::from_f32(self.image.columns, self.image.rows, &plane.values)
     }
 }

@@ -12,7 +12,7 @@ use super::resolution::SLOPE_SIGMA;
 use super::study::{AlbedoSource, Comparison};
 use super::{Error, Freedom, figures};
 use crate::dataset;
-use crate::report::page::{Picture, STYLE, base64, table_html};
+use crate::report::page::{Figure, STYLE, base64, table_html};
 use crate::report::plot::{Axis, Curve, Plot, escaped};
 use crate::report::{Table, Value};
 
@@ -330,7 +330,7 @@ impl Comparison {
         plots
     }
 
-    fn html(&self, pictures: &[Picture]) -> String {
+    fn html(&self, pictures: &[Figure]) -> String {
         let title = format!("{} held against its render", self.photo_name);
         let mut body = format!("<h1>{}</h1>\n", escaped(&title));
         self.notes().iter().for_each(|note| body += &format!("<p>{}</p>\n", escaped(note)));
@@ -368,7 +368,7 @@ impl Comparison {
     }
 }
 
-fn img(picture: &Picture) -> String {
+fn img(picture: &Figure) -> String {
     format!("<img alt='{}' src='data:image/png;base64,{}'>", escaped(&picture.caption), base64(&picture.png))
 }
 

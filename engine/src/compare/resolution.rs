@@ -1,6 +1,6 @@
 //! At what sizes a photograph and its render are compared.
 
-use super::Grid;
+use super::ScalarImage;
 
 /// Rendered pixels along a compared one, at most.
 pub const FINER: f64 = 3.0;
@@ -32,12 +32,12 @@ impl Resolution {
         (self.factor() / FINER).max(1.0)
     }
 
-    pub fn reduced(&self, image: Grid) -> Grid {
+    pub fn reduced(&self, image: ScalarImage) -> ScalarImage {
         image.reduced(self.compared_px[0], self.compared_px[1])
     }
 
     /// Reduced and smoothed to what both can show.
-    pub fn seen(&self, image: Grid) -> Grid {
+    pub fn seen(&self, image: ScalarImage) -> ScalarImage {
         self.reduced(image).blurred(SLOPE_SIGMA * self.posting_m / self.compared_pixel_m)
     }
 }

@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use super::Grid;
+use super::ScalarImage;
 use super::statistics::{correlation, spread};
 
 /// Likeness in an octave of wavelengths.
@@ -30,16 +30,17 @@ const WAVELENGTH: f64 = 6.54;
 const LONGEST: f64 = 0.3;
 
 /// Octaves from the finest on, where both images are known.
-pub fn scales(photo: &Grid, fitted: &Grid) -> Vec<Scale> {
-    let known = |a: &Grid, b: &Grid| a.zip(b, |a, b| if b.is_nan() { f64::NAN } else { a });
+pub fn scales(photo: &ScalarImage, fitted: &ScalarImage) -> Vec<Scale> {
+    let known = |a: &ScalarImage, b: &ScalarImage| a.zip(b, |a, b| if b.is_nan() { f64::NAN } else { a });
     let (photo, fitted) = (known(photo, fitted), known(fitted, photo));
     let longest_px = LONGEST * photo.columns.max(photo.rows) as f64;
     let sigmas = std::iter::successors(Some(FINEST_PX), |sigma| Some(2.0 * sigma));
     let scale = |sigma_px: f64| {
-        let band =
-            |image: &Grid| image.blurred(sigma_px).zip(&image.blurred(2.0 * sigma_px), |fine, coarse| fine - coarse);
+        let band = |image: &ScalarImage| {
+            image.blurred(sigma_px).zip(&image.blurred(2.0 * sigma_px), |fine, coarse| fine - coarse)
+        };
         let (photo, fitted) = (band(&photo), band(&fitted));
-        let contrast = |image: &Grid| spread(image.values.iter().copied().filter(|value| value.is_finite())).0;
+        let contrast = |image: &ScalarImage| spread(image.values.iter().copied().filter(|value| value.is_finite())).0;
         Scale {
             wavelength_px: WAVELENGTH * sigma_px,
             correlation: correlation(photo.pairs(&fitted)),
@@ -53,15 +54,15 @@ pub fn scales(photo: &Grid, fitted: &Grid) -> Vec<Scale> {
 mod tests {
     use super::*;
 
-    fn wave(period_px: f64, phase: f64) -> Grid {
+    fn wave(period_px: f64, phase: f64) -> ScalarImage {
         let turn = std::f64::consts::TAU / period_px;
-        Grid::new(128, 128, (0..128 * 128).map(|i| (turn * (i % 128) as f64 + phase).sin()).collect())
+        ScalarImage::new(128, 128, (0..128 * 128).map(|i| (turn * (i % 128) as f64 + phase).sin()).collect())
     }
 
     /// Long waves alike but half as strong, short ones a quarter turn apart.
     #[test]
     fn what_differs_is_told_at_its_own_size() {
-        let sum = |a: Grid, b: Grid| a.zip(&b, |a, b| a + b);
+        let sum = |a: ScalarImage, b: ScalarImage| a.zip(&b, |a, b| a + b);
         let photo = sum(wave(26.0, 0.0), wave(3.3, 0.0));
         let render = sum(wave(26.0, 0.0).map(|v| 0.5 * v), wave(3.3, std::f64::consts::FRAC_PI_2));
         let found = scales(&photo, &render);

@@ -29,7 +29,7 @@ use super::render::{Planes, RenderSession, Trial, Viewpoint};
 use super::request::{GeometrySource, Law, Request};
 use super::resolution::{FINER, Resolution};
 use super::scales::{Scale, scales};
-use super::{Error, Geometry, Grid, provenance};
+use super::{Error, Geometry, ScalarImage, provenance};
 use crate::camera::PosedCamera;
 use crate::geometry::{BodyFixed, Position};
 use crate::pipeline::{Progress, ground};
@@ -79,9 +79,9 @@ pub struct Comparison {
     pub by_slope: Vec<Bin>,
     pub profiles: Vec<Profile>,
     /// The photograph, the registered render as the photograph would show it, and the share of the Sun seen.
-    pub photo: Grid,
-    pub fitted: Grid,
-    pub sun_fraction: Grid,
+    pub photo: ScalarImage,
+    pub fitted: ScalarImage,
+    pub sun_fraction: ScalarImage,
 }
 
 /// Where the ground's brightness comes from.
@@ -99,7 +99,7 @@ pub enum AlbedoSource {
 /// The view, rendered and registered.
 struct Registered {
     planes: Planes,
-    radiance: Grid,
+    radiance: ScalarImage,
     registration: Registration,
     pose: Option<PoseFit>,
 }
@@ -109,7 +109,7 @@ struct Registering<'a> {
     request: &'a Request,
     resolution: &'a Resolution,
     main: &'a Trial,
-    photo: &'a Grid,
+    photo: &'a ScalarImage,
     samples: usize,
 }
 
@@ -128,16 +128,16 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
     let registering = Registering { request, resolution: &resolution, main: &main, photo: &photo, samples };
     let (registered, fitted_pose) = registering.run(&mut studio, &mut geometry, &mut sky, progress)?;
     let Registered { planes, radiance, registration, pose } = registered;
-    let moved = |image: &Grid| warped(image, &registration.motion);
+    let moved = |image: &ScalarImage| warped(image, &registration.motion);
     let render = moved(&radiance);
-    let sun_fraction = moved(&resolution.reduced(planes.grid("SUN_FRACTION")));
+    let sun_fraction = moved(&resolution.reduced(planes.values("SUN_FRACTION")));
 
     let fit = |model: Model| fit(model, &photo, &render, [resolution.high_pass_px, request.dark]);
     let (model, response, numbers, fitted) = fit(request.model);
     let responses = Model::ALL.map(fit).map(|(model, response, numbers, _)| (model, response, numbers)).to_vec();
     let (confusion, displacement) = edges_of_shadows(&photo, &sun_fraction, &sky, resolution.compared_pixel_m);
     let [incidence, slope] =
-        [planes.grid("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
+        [planes.values("LOCALINCIDENCE"), slope(&planes, &geometry)].map(|plane| moved(&resolution.reduced(plane)));
     let (photo_grid, radiance, freedom) = (&photo, &radiance, request.freedom);
     let setting =
         ablation::Setting { photo: photo_grid, radiance, resolution: &resolution, freedom, model: request.model };
@@ -173,7 +173,12 @@ pub fn compare(request: &Request, progress: &dyn Progress) -> Result<Comparison,
 }
 
 /// A model fitted to the photograph, its numbers, and the render as it answers.
-fn fit(model: Model, photo: &Grid, render: &Grid, [high_pass_px, dark]: [f64; 2]) -> (Model, Response, Numbers, Grid) {
+fn fit(
+    model: Model,
+    photo: &ScalarImage,
+    render: &ScalarImage,
+    [high_pass_px, dark]: [f64; 2],
+) -> (Model, Response, Numbers, ScalarImage) {
     let response = Response::fit(model, photo, render);
     let fitted = response.apply(render);
     let numbers = Numbers::of(photo, render, &fitted, high_pass_px, dark);
@@ -193,8 +198,9 @@ fn viewpoint(
 }
 
 /// The photograph as it is compared: reduced, smoothed, without its border.
-fn reduced_photo(picture: &Picture, camera: &PosedCamera, resolution: &Resolution) -> Grid {
-    let photo = Grid::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
+fn reduced_photo(picture: &Picture, camera: &PosedCamera, resolution: &Resolution) -> ScalarImage {
+    let photo =
+        ScalarImage::from_f32(picture.columns, picture.rows, &picture.values).reduced(camera.columns(), camera.rows());
     let photo = resolution.seen(photo);
     let border = |side: usize| (BORDER * side as f64).ceil() as usize;
     photo.without_border(border(photo.columns), border(photo.rows))
@@ -202,8 +208,8 @@ fn reduced_photo(picture: &Picture, camera: &PosedCamera, resolution: &Resolutio
 
 /// How the shadows of photograph and render agree, where a threshold tells the photograph's.
 fn edges_of_shadows(
-    photo: &Grid,
-    sun_fraction: &Grid,
+    photo: &ScalarImage,
+    sun_fraction: &ScalarImage,
     sky: &Sky,
     pixel_m: f64,
 ) -> (Option<Confusion>, Option<Displacement>) {
@@ -243,7 +249,7 @@ impl Registering<'_> {
 
     fn once(&self, studio: &mut RenderSession, geometry: &Geometry) -> Result<Registered, Error> {
         let planes = studio.whole(self.main)?;
-        let radiance = self.resolution.seen(planes.grid("RADIANCE"));
+        let radiance = self.resolution.seen(planes.values("RADIANCE"));
         let registration = register_detail(self.photo, &radiance, self.resolution.high_pass_px, self.request.freedom)?;
         let compared = geometry.camera.coarser(self.resolution.factor())?;
         let pose = pose::explain(&compared, studio.surface(), &registration);
@@ -354,13 +360,13 @@ impl Sky {
 }
 
 /// Angle of the ground with the spheroid's horizontal plane, in degrees.
-fn slope(planes: &Planes, geometry: &Geometry) -> Grid {
+fn slope(planes: &Planes, geometry: &Geometry) -> ScalarImage {
     let [x, y, z, latitude, longitude] =
-        ["NORMAL.X", "NORMAL.Y", "NORMAL.Z", "LATITUDE", "LONGITUDE"].map(|name| planes.grid(name));
+        ["NORMAL.X", "NORMAL.Y", "NORMAL.Z", "LATITUDE", "LONGITUDE"].map(|name| planes.values(name));
     let value = |i: usize| {
         let normal = DVec3::new(x.values[i], y.values[i], z.values[i]);
         let place = crate::geometry::Geodetic::from_degrees(latitude.values[i], longitude.values[i], 0.0);
         if normal.is_nan() { f64::NAN } else { normal.angle_between(geometry.body.up(place).unit()).to_degrees() }
     };
-    Grid::new(x.columns, x.rows, (0..x.values.len()).map(value).collect())
+    ScalarImage::new(x.columns, x.rows, (0..x.values.len()).map(value).collect())
 }

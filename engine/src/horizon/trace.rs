@@ -23,6 +23,7 @@ use glam::{DVec2, DVec3};
 use super::observer::{ON_GROUND_M, raised};
 use super::settings::Settings;
 use super::sphere::skyline_beyond;
+use crate::grid;
 use crate::terrain::{Face, Gnomonic, Level, Pyramid};
 
 /// Mip of the blocks that are passed over at once: 32 × 32 cells.
@@ -312,7 +313,7 @@ impl Cell {
     /// `None` where a gap takes part in the height.
     fn height_m(&self, t_m: f64) -> Option<f64> {
         let f = (self.offset + self.rate * t_m).clamp(DVec2::ZERO, DVec2::ONE);
-        let weights = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
+        let weights = grid::weights(f);
         let touched = self.gaps.iter().zip(weights).any(|(gap, weight)| *gap && weight > 1e-6);
         (!touched).then(|| self.heights_m.iter().zip(weights).map(|(height_m, weight)| height_m * weight).sum())
     }

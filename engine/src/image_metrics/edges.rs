@@ -15,7 +15,7 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::Grid;
+use super::ScalarImage;
 use crate::statistics::quantile;
 
 /// Shadow and light, pixel by pixel, as shares of all.
@@ -59,7 +59,7 @@ const EDGE: f64 = 0.25;
 const FLOOR: f64 = 0.005;
 
 /// The number below which the photograph is in shadow; `None` where nothing or everything is rendered in shadow.
-pub fn threshold(photo: &Grid, sun_fraction: &Grid) -> Option<f64> {
+pub fn threshold(photo: &ScalarImage, sun_fraction: &ScalarImage) -> Option<f64> {
     let lit: Vec<f64> = photo.pairs(sun_fraction).filter(|pair| pair.1 >= 0.5).map(|pair| pair.0).collect();
     let all: Vec<f64> = photo.pairs(sun_fraction).map(|pair| pair.0).collect();
     if lit.len() == all.len() {
@@ -69,7 +69,7 @@ pub fn threshold(photo: &Grid, sun_fraction: &Grid) -> Option<f64> {
     Some(floor + EDGE * (quantile(lit, 0.5) - floor)).filter(|threshold| threshold.is_finite())
 }
 
-pub fn confusion(photo: &Grid, sun_fraction: &Grid, threshold: f64) -> Confusion {
+pub fn confusion(photo: &ScalarImage, sun_fraction: &ScalarImage, threshold: f64) -> Confusion {
     let mut counts = [[0.0_f64; 2]; 2];
     for (photo, fraction) in photo.pairs(sun_fraction) {
         counts[usize::from(photo < threshold)][usize::from(fraction < 0.5)] += 1.0;
@@ -82,8 +82,8 @@ pub fn confusion(photo: &Grid, sun_fraction: &Grid, threshold: f64) -> Confusion
 
 /// Displacements of the edges along `towards_sun`, a unit vector of the image; `pixel_m` is a pixel's width on the ground.
 pub fn displacement(
-    photo: &Grid,
-    sun_fraction: &Grid,
+    photo: &ScalarImage,
+    sun_fraction: &ScalarImage,
     threshold: f64,
     towards_sun: DVec2,
     pixel_m: f64,
@@ -133,7 +133,7 @@ enum Search {
 }
 
 /// The crossing of the threshold nearest to `edge`, getting lighter along `direction` or darker.
-fn nearest(photo: &Grid, threshold: f64, edge: DVec2, direction: DVec2, lighter: bool) -> Search {
+fn nearest(photo: &ScalarImage, threshold: f64, edge: DVec2, direction: DVec2, lighter: bool) -> Search {
     let steps = (REACH_PX / STEP_PX) as i64;
     let at = |k: i64| photo.sample(edge + k as f64 * STEP_PX * direction) - threshold;
     if !(at(-steps) + at(steps)).is_finite() {
@@ -153,14 +153,14 @@ mod tests {
     use super::*;
 
     /// Dark discs of radius 9 with soft edges, `moved` along +x.
-    fn discs(moved: f64) -> Grid {
+    fn discs(moved: f64) -> ScalarImage {
         let value = |i: usize| {
             let (x, y) = ((i % 120) as f64 - moved, (i / 120) as f64);
             let from = |cx: f64, cy: f64| (x - cx).hypot(y - cy) - 9.0;
             let nearest = from(30.0, 30.0).min(from(80.0, 50.0)).min(from(50.0, 90.0));
             1.0 / (1.0 + (-2.0 * nearest).exp())
         };
-        Grid::new(120, 120, (0..120 * 120).map(value).collect())
+        ScalarImage::new(120, 120, (0..120 * 120).map(value).collect())
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //! # References
 //! Andersson et al. (2020), Proc. ACM CGIT 3, 15, doi:10.1145/3406183.
 
-use super::Grid;
+use super::ScalarImage;
 
 const PIXELS_PER_DEGREE: f64 = 67.0;
 /// Contrast sensitivity to luminance: one Gaussian of variance `b / (2 π²)` square degrees.
@@ -30,7 +30,7 @@ const KNEE_AT: f64 = 0.4;
 const KNEE: f64 = 0.95;
 
 /// The mean over pixels that both images have.
-pub fn mean(a: &Grid, b: &Grid) -> f64 {
+pub fn mean(a: &ScalarImage, b: &ScalarImage) -> f64 {
     let [la, lb] = [a, b].map(lightness);
     let [ea, eb] = [a, b].map(|image| features(image, edge));
     let [pa, pb] = [a, b].map(|image| features(image, point));
@@ -59,7 +59,7 @@ fn linear(value: f64) -> f64 {
 }
 
 /// CIE lightness as the eye resolves it.
-fn lightness(image: &Grid) -> Grid {
+fn lightness(image: &ScalarImage) -> ScalarImage {
     let sigma_px = (SENSITIVITY_B / 2.0).sqrt() / std::f64::consts::PI * PIXELS_PER_DEGREE;
     let seen = image.map(linear).blurred(sigma_px);
     seen.map(|y| if y > 216.0 / 24389.0 { 116.0 * y.cbrt() - 16.0 } else { 24389.0 / 27.0 * y })
@@ -76,7 +76,7 @@ fn point(x: f64, sigma: f64) -> f64 {
 }
 
 /// Size of a detector's answers along columns and rows.
-fn features(image: &Grid, shape: fn(f64, f64) -> f64) -> Grid {
+fn features(image: &ScalarImage, shape: fn(f64, f64) -> f64) -> ScalarImage {
     let sigma = 0.5 * FEATURE_DEG * PIXELS_PER_DEGREE;
     let reach = (3.0 * sigma).ceil() as i64;
     let bell = |x: i64| (-(x * x) as f64 / (2.0 * sigma * sigma)).exp();
@@ -93,9 +93,9 @@ fn features(image: &Grid, shape: fn(f64, f64) -> f64) -> Grid {
 }
 
 /// Separable; the image goes on beyond its edges as it ends.
-fn convolved(image: &Grid, x: &[f64], y: &[f64]) -> Grid {
+fn convolved(image: &ScalarImage, x: &[f64], y: &[f64]) -> ScalarImage {
     let (columns, rows) = (image.columns as i64, image.rows as i64);
-    let along = |image: &Grid, taps: &[f64], step: [i64; 2]| {
+    let along = |image: &ScalarImage, taps: &[f64], step: [i64; 2]| {
         let reach = taps.len() as i64 / 2;
         let value = |i: i64| {
             let (column, row) = (i % columns, i / columns);
@@ -105,7 +105,7 @@ fn convolved(image: &Grid, x: &[f64], y: &[f64]) -> Grid {
             };
             taps.iter().zip(-reach..).map(|(tap, k)| tap * at(k)).sum()
         };
-        Grid::new(image.columns, image.rows, (0..columns * rows).map(value).collect())
+        ScalarImage::new(image.columns, image.rows, (0..columns * rows).map(value).collect())
     };
     along(&along(image, x, [1, 0]), y, [0, 1])
 }
@@ -114,8 +114,8 @@ fn convolved(image: &Grid, x: &[f64], y: &[f64]) -> Grid {
 mod tests {
     use super::*;
 
-    fn flat(value: f64) -> Grid {
-        Grid::new(24, 24, vec![value; 576])
+    fn flat(value: f64) -> ScalarImage {
+        ScalarImage::new(24, 24, vec![value; 576])
     }
 
     /// Black and white differ by 100 in lightness: 0.95 + 0.05 (100^0.7 − 0.4 c)/(0.6 c) with c = 203.28^0.7.
@@ -140,7 +140,8 @@ mod tests {
 
     #[test]
     fn an_edge_that_moves_is_seen_more_than_its_lightness_alone() {
-        let step = |at: usize| Grid::new(24, 24, (0..576).map(|i| if i % 24 < at { 0.3 } else { 0.7 }).collect());
+        let step =
+            |at: usize| ScalarImage::new(24, 24, (0..576).map(|i| if i % 24 < at { 0.3 } else { 0.7 }).collect());
         let moved = mean(&step(12), &step(14));
         assert!(moved > 0.02 && moved < mean(&flat(0.3), &flat(0.7)), "{moved}");
     }

@@ -2,8 +2,8 @@
 
 pub mod edges;
 pub mod flip;
-pub mod grid;
+pub mod scalar_image;
 pub mod ssim;
 pub mod statistics;
 
-pub use grid::Grid;
+pub use scalar_image::ScalarImage;

@@ -23,6 +23,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::geometry::{Direction, Position};
+use crate::grid::{Cell, Grid2};
 use crate::render::{Scene, View, reference};
 use crate::shadow::Shadow;
 use crate::terrain::{Face, Ground, Hit, Level, Surface};
@@ -198,16 +199,11 @@ impl<'a> SunField<'a> {
         let grid = grid_level.grid_from_map(at_m);
         let between = || {
             let patch = self.patches.get(&(face, level))?;
-            let rows = patch.shares.len() / patch.columns;
+            let shares = Grid2::new(&patch.shares, [patch.columns, patch.shares.len() / patch.columns]);
             let at = grid - DVec2::new(patch.low[0] as f64, patch.low[1] as f64);
-            let inside = at.cmpge(DVec2::ZERO).all() && at.x + 1.0 < patch.columns as f64 && at.y + 1.0 < rows as f64;
-            let corner =
-                |c: usize, r: usize| f64::from(patch.shares[(at.y as usize + r) * patch.columns + at.x as usize + c]);
-            let f = at.fract();
-            inside.then(|| {
-                let [low, high] = [0, 1].map(|row| corner(0, row) * (1.0 - f.x) + corner(1, row) * f.x);
-                low * (1.0 - f.y) + high * f.y
-            })
+            let inside =
+                at.cmpge(DVec2::ZERO).all() && at.x + 1.0 < shares.columns as f64 && at.y + 1.0 < shares.rows as f64;
+            inside.then(|| shares.bilinear(Cell::clamped(shares.size(), at)))
         };
         between().unwrap_or_else(|| {
             let lifted = at_m.extend(grid_level.bilinear_m(grid).unwrap_or(f64::NAN));

@@ -80,7 +80,7 @@ fn globe(
     progress: &dyn Progress,
 ) -> Result<Ground, Error> {
     progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
-    let shown = DrawnTiles::open(body, written, values(written.values))?;
+    let shown = DrawnTiles::open(body, written, written.values)?;
     let name = file_name(&written.path);
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
@@ -91,14 +91,6 @@ fn globe(
         resampling: Vec::new(),
         globe: Some(Box::new(shown)),
     })
-}
-
-fn values(written: scenario::Values) -> raster::Values {
-    match written {
-        scenario::Values::Auto => raster::Values::Auto,
-        scenario::Values::Height => raster::Values::Height,
-        scenario::Values::Radius => raster::Values::Radius,
-    }
 }
 
 fn faces(
@@ -179,10 +171,9 @@ pub fn open(
         scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
         scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
         scenario::Dem::Globe(scenario::Globe { values, posting_m, .. }) => (values, posting_m, None),
-        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (scenario::Values::Height, None, None),
+        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (raster::Values::Height, None, None),
     };
     progress.begin(&format!("reading {}", file_name(path)), 1, "file");
-    let values = self::values(values);
     // The map may be turned: the square's corners can lie in any direction.
     let around =
         centre.zip(extent_m).map(|(centre, extent_m)| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });

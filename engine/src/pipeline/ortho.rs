@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use super::Error;
 use crate::dataset::Orthoimage;
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
+use crate::grid::{Cell, Grid2, mix_known};
 use crate::raster::Georeference;
 use crate::render::{Image, Plane, Scene, View};
 use crate::terrain::Hit;
@@ -168,17 +169,9 @@ fn nearest(values: &[f32], [columns, rows]: [usize; 2], at: DVec2) -> f32 {
 }
 
 /// Within half a pixel of the image's edge the outermost centres hold.
-fn bilinear(values: &[f32], [columns, rows]: [usize; 2], at: DVec2) -> f32 {
-    let cell = |along: f64, count: usize| {
-        let along = along.clamp(0.0, (count - 1) as f64);
-        let low = along as usize;
-        (low, (low + 1).min(count - 1), (along - low as f64) as f32)
-    };
-    let ((left, right, x), (top, bottom, y)) = (cell(at.x, columns), cell(at.y, rows));
-    // On a centre the other one has no share, whether it has a value or not.
-    let mix = |a: f32, b: f32, share: f32| if share == 0.0 { a } else { a * (1.0 - share) + b * share };
-    let row = |row: usize| mix(values[row * columns + left], values[row * columns + right], x);
-    mix(row(top), row(bottom), y)
+fn bilinear(values: &[f32], size: [usize; 2], at: DVec2) -> f32 {
+    let pixels = Grid2::new(values, size);
+    Cell::clamped(size, at).mix_by(|column, row| pixels.get(column, row), mix_known)
 }
 
 #[cfg(test)]

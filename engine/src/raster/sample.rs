@@ -1,26 +1,18 @@
 //! Heights between the pixels of an elevation model.
 //!
-//! Bicubic convolution with Keys' kernel, `a = −½` (Catmull–Rom), which is exact for quadratics and
-//! passes through the samples:
-//!
-//! ```text
-//! w(t) = 1 − 5t²/2 + 3t³/2          0 ≤ t ≤ 1
-//!        2 − 4t + 5t²/2 − t³/2      1 < t < 2
-//! ```
+//! Bicubic convolution with Keys' kernel ([`cubic_weights`]).
 //!
 //! Where one of the sixteen samples with weight is missing it is bilinear, where one of those four is
 //! missing there is no height: no extrapolation, also not over the outer half of the edge pixels.
 //! Over the seam of a map that goes around the body samples come from the other side, over a pole from
 //! half a turn away. Within half a pixel of a pole that lies on a pixel's edge the height goes linearly
 //! to the mean of the last row, so that it does not depend on longitude there.
-//!
-//! # References
-//! Keys (1981), IEEE Trans. ASSP 29, 1153, doi:10.1109/TASSP.1981.1163711.
 
 use glam::DVec2;
 
 use super::Dem;
 use super::dem::Pole;
+use crate::grid::cubic_weights;
 
 /// Coordinates this close to a pixel centre are that centre: projections return to it within 1e-9 pixels.
 const SNAP_PIXELS: f64 = 1e-6;
@@ -45,7 +37,7 @@ impl Dem {
     /// Bicubic height, NaN where a sample is missing.
     pub fn bicubic_m(&self, pixel: DVec2) -> f64 {
         let ((column, x), (row, y)) = (split(pixel.x), split(pixel.y));
-        let (along, across) = (keys(x), keys(y));
+        let (along, across) = (cubic_weights(x), cubic_weights(y));
         self.weighted_m(column - 1, row - 1, &along, &across)
     }
 
@@ -103,11 +95,4 @@ fn split(at: f64) -> (i64, f64) {
         return (nearest as i64, 0.0);
     }
     (at.floor() as i64, at - at.floor())
-}
-
-/// Weights of the samples at −1, 0, 1, 2 for a point at `t` between 0 and 1.
-fn keys(t: f64) -> [f64; 4] {
-    let near = |t: f64| 1.0 + t * t * (1.5 * t - 2.5);
-    let far = |t: f64| 2.0 + t * (-4.0 + t * (2.5 - 0.5 * t));
-    if t == 0.0 { [0.0, 1.0, 0.0, 0.0] } else { [far(1.0 + t), near(t), near(1.0 - t), far(2.0 - t)] }
 }

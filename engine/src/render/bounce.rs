@@ -34,6 +34,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::geometry::Direction;
+use crate::grid::{Cell, Grid2};
 use crate::horizon::HorizonMap;
 use crate::photometry::quadrature::gauss_legendre;
 use crate::shadow::sky::{directions, facet, tangent};
@@ -169,10 +170,8 @@ impl Gather {
         };
         let (column, x) = along(seen.x, self.columns, level.columns);
         let (row, y) = along(seen.y, self.rows, level.rows);
-        let value =
-            |c: usize, r: usize| f64::from(values[r.min(self.rows - 1) * self.columns + c.min(self.columns - 1)]);
-        let at_row = |r: usize| (1.0 - x) * value(column, r) + x * value(column + 1, r);
-        (1.0 - y) * at_row(row) + y * at_row(row + 1)
+        let values = Grid2::new(values, [self.columns, self.rows]);
+        values.bilinear(Cell::new(values.size(), [column, row], DVec2::new(x, y)))
     }
 
     pub(super) fn at_all_nodes(&self, level: &Level, points: &[f32]) -> Vec<f32> {

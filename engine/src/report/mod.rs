@@ -8,5 +8,5 @@ pub mod table;
 
 pub use error::Error;
 pub use machine::Machine;
-pub use page::{Picture, Report};
+pub use page::{Figure, Report};
 pub use table::{Table, Value};

@@ -22,12 +22,12 @@ pub struct Report {
     pub notes: Vec<String>,
     pub tables: Vec<Table>,
     pub plots: Vec<Plot>,
-    pub pictures: Vec<Picture>,
+    pub figures: Vec<Figure>,
 }
 
 /// An image with what it shows.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Picture {
+pub struct Figure {
     /// Part of the file's name.
     pub name: String,
     pub caption: String,
@@ -54,7 +54,7 @@ impl Report {
         let json = serde_json::to_string_pretty(&self.json()).expect("text and numbers");
         let mut files = vec![("json".into(), json.into_bytes()), ("html".into(), self.html().into_bytes())];
         files.extend(self.tables.iter().map(|table| (format!("{}.csv", table.name), table.csv().into_bytes())));
-        files.extend(self.pictures.iter().map(|picture| (format!("{}.png", picture.name), picture.png.clone())));
+        files.extend(self.figures.iter().map(|figure| (format!("{}.png", figure.name), figure.png.clone())));
         let mut paths = Vec::new();
         for (end, bytes) in files {
             let path = directory.join(format!("{}.{end}", self.name));
@@ -72,7 +72,7 @@ impl Report {
         body += "</ul>\n";
         self.tables.iter().for_each(|table| body += &table_html(table));
         self.plots.iter().for_each(|plot| body += &format!("<figure>\n{}</figure>\n", plot.svg()));
-        for Picture { caption, png, .. } in &self.pictures {
+        for Figure { caption, png, .. } in &self.figures {
             let source = base64(png);
             let caption = escaped(caption);
             body += &format!(
@@ -149,7 +149,7 @@ mod tests {
             notes: vec!["one".into()],
             tables: vec![table],
             plots: Vec::new(),
-            pictures: vec![Picture { name: "map".into(), caption: "map".into(), png: b"foob".to_vec() }],
+            figures: vec![Figure { name: "map".into(), caption: "map".into(), png: b"foob".to_vec() }],
         };
         let names: Vec<_> = report.write(folder.path()).unwrap();
         let names: Vec<_> = names.iter().map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect();

@@ -16,6 +16,7 @@ use super::device::FieldMaker;
 use super::light::QuantizedLight;
 use super::site::{Disc, Shadow, Site};
 use crate::gpu::{Gpu, GpuError};
+use crate::grid::{Cell, Grid2};
 use crate::photometry::{DiskLight, HorizonLine};
 use crate::terrain::{Face, Level, Surface};
 
@@ -153,12 +154,7 @@ pub fn line(site: &Site, disc: &Disc, elevation_rad: f64, slope: f64) -> DiskLig
 pub fn bilinear(level: &Level, field: &Field, grid: DVec2) -> [f64; 2] {
     let [columns, rows] = level.seen_size();
     let far = DVec2::new((columns - 1) as f64, (rows - 1) as f64);
-    let grid = grid.clamp(DVec2::ZERO, far);
-    let cell = grid.floor().min(far - 1.0);
-    let f = grid - cell;
-    let at = |c: usize, r: usize| {
-        let [elevation_rad, slope] = field[(cell.y as usize + r) * columns + cell.x as usize + c];
-        DVec2::new(f64::from(elevation_rad), f64::from(slope))
-    };
-    at(0, 0).lerp(at(1, 0), f.x).lerp(at(0, 1).lerp(at(1, 1), f.x), f.y).to_array()
+    let skylines = Grid2::new(field, [columns, rows]);
+    let cell = Cell::continued(skylines.size(), grid.clamp(DVec2::ZERO, far));
+    cell.mix(|column, row| DVec2::from_array(skylines.get(column, row).map(f64::from))).to_array()
 }

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::Gnomonic;
 use crate::geometry::Body;
+use crate::grid::{Cell, Grid2};
 
 /// A square grid of lifted heights. The surface is bilinear in `H` between its nodes.
 ///
@@ -55,9 +56,7 @@ impl Level {
 
     /// The cell that holds a grid point, points on the far edges included in the last one.
     pub fn cell(&self, grid: DVec2) -> Option<(usize, usize)> {
-        let far = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
-        let inside = grid.cmpge(DVec2::ZERO).all() && grid.cmple(far).all();
-        inside.then(|| ((grid.x as usize).min(self.columns - 2), (grid.y as usize).min(self.rows - 2)))
+        Cell::inside([self.columns, self.rows], grid).map(|cell| cell.low.into())
     }
 
     /// Bilinear lifted height at a grid point inside the grid.
@@ -67,11 +66,8 @@ impl Level {
 
     /// Bilinear value at a grid point of anything that is given at the nodes.
     pub fn bilinear_of(&self, values: &[f32], grid: DVec2) -> Option<f64> {
-        let (column, row) = self.cell(grid)?;
-        let (fx, fy) = (grid.x - column as f64, grid.y - row as f64);
-        let at = |c: usize, r: usize| f64::from(values[self.index(column + c, row + r)]);
-        let (low, high) = ((1.0 - fx) * at(0, 0) + fx * at(1, 0), (1.0 - fx) * at(0, 1) + fx * at(1, 1));
-        Some((1.0 - fy) * low + fy * high)
+        let values = Grid2::new(values, [self.columns, self.rows]);
+        Some(values.bilinear(Cell::inside(values.size(), grid)?))
     }
 
     /// Lifted heights of a cell's corners: (0, 0), (1, 0), (0, 1), (1, 1) in (column, row).
@@ -98,14 +94,8 @@ impl Level {
     /// dH/dX and dH/dY at a map point: the nodes' gradients, bilinear between them, so that shading is
     /// continuous from cell to cell.
     pub fn interpolated_gradient(&self, at_m: DVec2) -> DVec2 {
-        let grid = self.grid_from_map(at_m);
-        let far = DVec2::new((self.columns - 2) as f64, (self.rows - 2) as f64);
-        let cell = grid.floor().clamp(DVec2::ZERO, far);
-        let (column, row) = (cell.x as usize, cell.y as usize);
-        let f = grid - cell;
-        let low = self.gradient(column, row).lerp(self.gradient(column + 1, row), f.x);
-        let high = self.gradient(column, row + 1).lerp(self.gradient(column + 1, row + 1), f.x);
-        low.lerp(high, f.y)
+        let cell = Cell::continued([self.columns, self.rows], self.grid_from_map(at_m));
+        cell.mix(|column, row| self.gradient(column, row))
     }
 
     /// Columns and rows of the seen part.

@@ -100,7 +100,7 @@ impl BitField {
 pub(super) fn series(encoding: Encoding, levels: &[Texels], fields: &[Vec<BitField>], grid: DVec2) -> Series {
     let mut reals = vec![0.0; 2 * (encoding.harmonics() + 1)];
     for ((level, page), fields) in levels.iter().zip(encoding.pages()).zip(fields) {
-        for (column, row, weight) in level.corners(grid, page.scale) {
+        for ((column, row), weight) in level.corners(grid, page.scale) {
             let texel = level.texel(column, row);
             let gain = gain_of(texel, encoding.gain_bits());
             for field in fields {

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::encoding::PageLayout;
+use crate::grid::Cell;
 
 /// One resolution level of a horizon map, rows *up* the map like those of a [`crate::terrain::Level`].
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +31,7 @@ impl Texels {
     /// A pair of numbers, read from each of the four texels about a grid point and interpolated.
     pub(super) fn bilinear(&self, grid: DVec2, scale: usize, read: impl Fn(&[u32]) -> [f64; 2]) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (column, row, weight) in self.corners(grid, scale) {
+        for ((column, row), weight) in self.corners(grid, scale) {
             let [a, b] = read(self.texel(column, row));
             sum[0] += weight * a;
             sum[1] += weight * b;
@@ -39,18 +40,8 @@ impl Texels {
     }
 
     /// Columns, rows and weights of the four texels about a grid point.
-    pub(super) fn corners(&self, grid: DVec2, scale: usize) -> [(usize, usize, f64); 4] {
-        let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
-        let at = ((grid + 0.5) / scale as f64 - 0.5).clamp(DVec2::ZERO, last);
-        let low = at.floor();
-        let f = at - low;
-        let (column, row) = (low.x as usize, low.y as usize);
-        let (next_column, next_row) = ((column + 1).min(self.columns - 1), (row + 1).min(self.rows - 1));
-        [
-            (column, row, (1.0 - f.x) * (1.0 - f.y)),
-            (next_column, row, f.x * (1.0 - f.y)),
-            (column, next_row, (1.0 - f.x) * f.y),
-            (next_column, next_row, f.x * f.y),
-        ]
+    pub(super) fn corners(&self, grid: DVec2, scale: usize) -> impl Iterator<Item = ((usize, usize), f64)> + use<> {
+        let cell = Cell::clamped([self.columns, self.rows], (grid + 0.5) / scale as f64 - 0.5);
+        cell.corners().into_iter().zip(cell.weights())
     }
 }

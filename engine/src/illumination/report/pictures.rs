@@ -6,7 +6,7 @@ use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::illumination::Maps;
 use crate::report::Error;
-use crate::report::Picture;
+use crate::report::Figure;
 
 /// What was not mapped.
 const MISSING: Rgb<u8> = Rgb([70, 78, 100]);
@@ -19,7 +19,7 @@ const BORDER: usize = 8;
 const LEAST_PX: usize = 400;
 
 /// A picture a map; `marks` are nodes.
-pub fn all(maps: &Maps, marks: &[usize]) -> Result<Vec<Picture>, Error> {
+pub fn all(maps: &Maps, marks: &[usize]) -> Result<Vec<Figure>, Error> {
     let cut = Cut::of(maps);
     [
         ("lit_share", "Share of the time lit: black never, white always", &maps.lit_share, 1.0),
@@ -38,7 +38,7 @@ pub fn all(maps: &Maps, marks: &[usize]) -> Result<Vec<Picture>, Error> {
         let image = cut.image(maps, plane, white, marks);
         image.write_to(&mut png, ImageFormat::Png).map_err(|source| Error::Png { name: name.to_owned(), source })?;
         let marked = if marks.is_empty() { "" } else { "; squares: the places" };
-        Ok(Picture { name: name.into(), caption: format!("{caption}{marked}"), png: png.into_inner() })
+        Ok(Figure { name: name.into(), caption: format!("{caption}{marked}"), png: png.into_inner() })
     })
     .collect()
 }

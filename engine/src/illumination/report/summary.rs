@@ -38,7 +38,7 @@ impl IlluminationReport<'_> {
             notes: self.notes.clone(),
             tables,
             plots: areas.chain(self.places.iter().map(plots::sky)).collect(),
-            pictures: pictures::all(self.maps, &marks)?,
+            figures: pictures::all(self.maps, &marks)?,
         })
     }
 

@@ -46,6 +46,7 @@ use super::light::QuantizedLight;
 use super::method::{Bench, Family, NamedMethod, ShadowMethod};
 use super::skylines::{Field, SkylineSource, UnpreparedLight};
 use crate::gpu::{Gpu, GpuError};
+use crate::grid::{Cell, Grid2};
 use crate::terrain::{Gnomonic, Level, Surface, Terrain};
 
 pub const FAMILY: Family = Family {
@@ -142,10 +143,8 @@ impl Image {
     }
 
     fn bilinear_m(&self, grid: DVec2) -> f64 {
-        let low = grid.floor();
-        let f = grid - low;
-        let row = |r: f64| (1.0 - f.x) * self.texel_m(low.x, low.y + r) + f.x * self.texel_m(low.x + 1.0, low.y + r);
-        (1.0 - f.y) * row(0.0) + f.y * row(1.0)
+        let texels = Grid2::new(&self.heights_m, [self.columns, self.rows]);
+        texels.bilinear(Cell::repeated(texels.size(), grid))
     }
 
     /// The bicubic B-spline over the texels.

@@ -12,9 +12,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::harmonics::Harmonics;
+use crate::grid::{Cell, Grid2};
 use crate::photometry::quadrature::gauss_legendre;
 
 /// Steps of the table from straight down to straight up.
@@ -88,8 +89,8 @@ impl Wedges {
     /// Bilinear in the table: within 1e-3 of the open sky's share.
     pub fn wedge(&self, [a_rad, b_rad]: [f64; 2]) -> Harmonics {
         let [(i, f), (j, g)] = [a_rad, b_rad].map(knot);
-        let at = |i: usize, j: usize| self.table[i * (STEPS + 1) + j];
-        (at(i, j) * (1.0 - g) + at(i, j + 1) * g) * (1.0 - f) + (at(i + 1, j) * (1.0 - g) + at(i + 1, j + 1) * g) * f
+        let table = Grid2::new(&self.table, [STEPS + 1; 2]);
+        Cell::new(table.size(), [j, i], DVec2::new(g, f)).mix(|column, row| table.get(column, row))
     }
 }
 

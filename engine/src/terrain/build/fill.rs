@@ -3,6 +3,9 @@
 //! Missing values come from a pyramid of means: each is the bilinear value of the next coarser level,
 //! relaxed towards `∇²h = 0` on the way down. Known values stay as they are.
 
+use glam::DVec2;
+
+use crate::grid::{Cell, Grid2};
 use crate::raster::Dem;
 
 /// Sweeps of relaxation on each level of the pyramid.
@@ -44,15 +47,9 @@ fn halve(values: &[f64], columns: usize) -> (Vec<f64>, usize) {
 
 /// Bilinear value of a half-sized grid of blocks at the centre of a full-sized node.
 fn upsampled(coarse: &[f64], columns: usize, column: usize, row: usize) -> f64 {
-    let rows = coarse.len() / columns;
+    let blocks = Grid2::new(coarse, [columns, coarse.len() / columns]);
     // A node's centre lies a quarter block from its block's centre, towards the nearer neighbour.
-    let pair = |at: usize, count: usize| {
-        let (block, odd) = (at / 2, at % 2 == 1);
-        (block, if odd { (block + 1).min(count - 1) } else { block.saturating_sub(1) })
-    };
-    let ((c0, c1), (r0, r1)) = (pair(column, columns), pair(row, rows));
-    let line = |row: usize| 0.75 * coarse[row * columns + c0] + 0.25 * coarse[row * columns + c1];
-    0.75 * line(r0) + 0.25 * line(r1)
+    blocks.bilinear(Cell::repeated(blocks.size(), 0.5 * DVec2::new(column as f64, row as f64) - 0.25))
 }
 
 fn mean_of_neighbours(values: &[f64], columns: usize, index: usize) -> f64 {

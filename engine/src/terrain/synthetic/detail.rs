@@ -29,6 +29,7 @@ use super::craters::Field;
 use super::noise::{self, Noise};
 use super::{Crater, Error, Parameters, Projection, Raster, georeference};
 use crate::geometry::{Body, Geodetic};
+use crate::grid::{Cell, Grid2};
 use crate::raster::{Dem, GeoTiff, GeoTiffBand, Georeference};
 
 /// Times that means are taken off: what alternates from cell to cell loses a quarter each time.
@@ -271,17 +272,11 @@ fn take_means_off(heights_m: &mut [f32], measured_m: &[f32], columns: usize, cel
         if count > 0.0 { sum / count } else { 0.0 }
     };
     let means: Vec<f64> = (0..across * down).map(mean).collect();
-    let between = |at: usize, count: usize| {
-        let middle = ((at as f64 + 0.5) / cell as f64 - 0.5).clamp(0.0, (count - 1) as f64);
-        let low = (middle as usize).min(count.saturating_sub(2));
-        (low, (low + 1).min(count - 1), middle - low as f64)
-    };
+    let means = Grid2::new(&means, [across, down]);
     heights_m.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
-        let (top, bottom, v) = between(row, down);
         for (column, height_m) in line.iter_mut().enumerate() {
-            let (left, right, u) = between(column, across);
-            let along = |row: usize| means[row * across + left] * (1.0 - u) + means[row * across + right] * u;
-            *height_m -= (along(top) * (1.0 - v) + along(bottom) * v) as f32;
+            let among_cells = (DVec2::new(column as f64, row as f64) + 0.5) / cell as f64 - 0.5;
+            *height_m -= means.bilinear(Cell::clamped(means.size(), among_cells)) as f32;
         }
     });
 }

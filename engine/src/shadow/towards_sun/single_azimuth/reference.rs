@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::grid::Cell;
 use crate::horizon::Settings;
 use crate::horizon::sphere::skyline_beyond;
 use crate::terrain::{Face, Level};
@@ -51,10 +52,8 @@ pub fn exit_m(level: &Level, at_m: DVec2, towards: DVec2) -> f64 {
 fn ground_m(level: &Level, at_m: DVec2) -> Option<f64> {
     let far = DVec2::new((level.columns - 1) as f64, (level.rows - 1) as f64);
     let grid = level.grid_from_map(at_m).clamp(DVec2::ZERO, far);
-    let (column, row) = level.cell(grid)?;
-    let f = grid - DVec2::new(column as f64, row as f64);
-    let shares = [(1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y];
-    let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| level.index(column + c, row + r));
+    let cell = Cell::inside([level.columns, level.rows], grid)?;
+    let (corners, shares) = (cell.corners().map(|(column, row)| level.index(column, row)), cell.weights());
     let absent = corners.iter().zip(shares).any(|(corner, share)| level.gap[*corner] && share > 1e-6);
     let height_m = |(corner, share): (&usize, f64)| share * f64::from(level.heights_m[*corner]);
     (!absent).then(|| corners.iter().zip(shares).map(height_m).sum())

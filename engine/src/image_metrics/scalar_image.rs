@@ -6,9 +6,11 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::grid::cubic_weights;
+
 /// An image. The centre of pixel (0, 0), top left, is the point (0, 0).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct ScalarImage {
     pub columns: usize,
     pub rows: usize,
     pub values: Vec<f64>,
@@ -20,7 +22,7 @@ const KNOWN: f64 = 0.5;
 /// A Gaussian ends here, in standard deviations.
 const REACH: f64 = 3.5;
 
-impl Grid {
+impl ScalarImage {
     pub fn new(columns: usize, rows: usize, values: Vec<f64>) -> Self {
         assert_eq!(values.len(), columns * rows, "an image fills its rows");
         Self { columns, rows, values }
@@ -126,7 +128,7 @@ impl Grid {
         // Sums of rounded numbers return to a pixel's centre within this.
         let at = if (at - nearest).abs().max_element() < 1e-9 { nearest } else { at };
         let (x, y) = (at.x.floor(), at.y.floor());
-        let (wx, wy) = (keys(at.x - x), keys(at.y - y));
+        let (wx, wy) = (cubic_weights(at.x - x), cubic_weights(at.y - y));
         let mut sum = 0.0;
         for (j, wy) in wy.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
             for (i, wx) in wx.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
@@ -147,23 +149,13 @@ impl Grid {
     }
 }
 
-/// Keys' weights of the samples at −1, 0, 1, 2 for a point at `t` between 0 and 1.
-fn keys(t: f64) -> [f64; 4] {
-    if t == 0.0 {
-        return [0.0, 1.0, 0.0, 0.0];
-    }
-    let near = |t: f64| 1.0 + t * t * (1.5 * t - 2.5);
-    let far = |t: f64| 2.0 + t * (-4.0 + t * (2.5 - 0.5 * t));
-    [far(1.0 + t), near(t), near(1.0 - t), far(2.0 - t)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn ramp(columns: usize, rows: usize) -> Grid {
+    fn ramp(columns: usize, rows: usize) -> ScalarImage {
         let value = |i: usize| 3.0 + 2.0 * (i % columns) as f64 - 0.5 * (i / columns) as f64;
-        Grid::new(columns, rows, (0..columns * rows).map(value).collect())
+        ScalarImage::new(columns, rows, (0..columns * rows).map(value).collect())
     }
 
     #[test]
@@ -176,27 +168,27 @@ mod tests {
                 assert!((reduced.at(column, row) - (3.0 + 2.0 * x - 0.5 * y)).abs() < 1e-9);
             }
         }
-        let mean = |grid: &Grid| grid.values.iter().sum::<f64>() / grid.values.len() as f64;
+        let mean = |image: &ScalarImage| image.values.iter().sum::<f64>() / image.values.len() as f64;
         assert!((mean(&ramp(60, 40).reduced(25, 16)) - mean(&ramp(60, 40))).abs() < 1e-9);
     }
 
     #[test]
     fn reducing_keeps_the_mean_and_leaves_missing_pixels_out() {
-        let mut grid = Grid::new(6, 6, vec![4.0; 36]);
-        grid.values[0] = f64::NAN;
-        assert!(grid.reduced(4, 4).values.iter().all(|value| (value - 4.0).abs() < 1e-12));
-        grid.values.iter_mut().take(3).for_each(|value| *value = f64::NAN);
-        grid.values[6] = f64::NAN;
-        grid.values[7] = f64::NAN;
-        assert!(grid.reduced(3, 3).at(0, 0).is_nan());
+        let mut image = ScalarImage::new(6, 6, vec![4.0; 36]);
+        image.values[0] = f64::NAN;
+        assert!(image.reduced(4, 4).values.iter().all(|value| (value - 4.0).abs() < 1e-12));
+        image.values.iter_mut().take(3).for_each(|value| *value = f64::NAN);
+        image.values[6] = f64::NAN;
+        image.values[7] = f64::NAN;
+        assert!(image.reduced(3, 3).at(0, 0).is_nan());
     }
 
     #[test]
     fn cubic_convolution_returns_pixels_and_is_exact_for_a_ramp() {
-        let grid = ramp(12, 9);
-        assert_eq!(grid.sample(DVec2::new(5.0, 3.0)), grid.at(5, 3));
-        assert!((grid.sample(DVec2::new(5.3, 3.7)) - (3.0 + 10.6 - 1.85)).abs() < 1e-12);
-        assert!(grid.sample(DVec2::new(0.5, 3.0)).is_nan(), "it would need a pixel to the left");
+        let image = ramp(12, 9);
+        assert_eq!(image.sample(DVec2::new(5.0, 3.0)), image.at(5, 3));
+        assert!((image.sample(DVec2::new(5.3, 3.7)) - (3.0 + 10.6 - 1.85)).abs() < 1e-12);
+        assert!(image.sample(DVec2::new(0.5, 3.0)).is_nan(), "it would need a pixel to the left");
     }
 
     /// σ² adds up: a blurred Gaussian is a wider one.
@@ -207,7 +199,7 @@ mod tests {
                 let (x, y) = ((i % 61) as f64 - 30.0, (i / 61) as f64 - 30.0);
                 (-(x * x + y * y) / (2.0 * sigma * sigma)).exp() / (2.0 * std::f64::consts::PI * sigma * sigma)
             };
-            Grid::new(61, 61, (0..61 * 61).map(value).collect())
+            ScalarImage::new(61, 61, (0..61 * 61).map(value).collect())
         };
         // A Gaussian cut at 3.5 σ lacks 5e-4 of its weight.
         let worst = bell(3.0).blurred(4.0).pairs(&bell(5.0)).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
