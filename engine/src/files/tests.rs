@@ -30,7 +30,7 @@ fn process_that_writes() {
     let Ok(task) = std::env::var(CHILD) else { return };
     let [letter, count, path] = task.splitn(3, ' ').collect::<Vec<_>>().try_into().unwrap();
     let bytes = vec![letter.as_bytes()[0]; BYTES];
-    for _ in 0..count.parse().unwrap() {
+    for _ in 0..count.parse::<usize>().unwrap() {
         write(Path::new(path), &bytes).unwrap();
     }
 }
@@ -62,6 +62,8 @@ fn processes_and_threads_that_write_one_name_never_mix() {
 #[test]
 #[cfg(unix)]
 fn a_killed_process_leaves_a_whole_file() {
+    use std::os::unix::process::ExitStatusExt;
+
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("file");
     write(&path, &[b'o'; BYTES]).unwrap();
@@ -69,7 +71,8 @@ fn a_killed_process_leaves_a_whole_file() {
         let mut process = writer(&path, 'n', usize::MAX);
         std::thread::sleep(Duration::from_millis(20 + 7 * moment));
         process.kill().unwrap();
-        process.wait().unwrap();
+        // One that had ended by itself would prove nothing.
+        assert_eq!(process.wait().unwrap().signal(), Some(9));
         assert_whole(&path);
         remove_stale(folder.path()).unwrap();
         assert_eq!(names(folder.path()), ["file"]);
