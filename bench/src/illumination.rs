@@ -4,8 +4,14 @@
 //! says its own. `best` is the best node near the place that was named; a place is named to 0.01°, 5 m of longitude
 //! there and 300 m of latitude, and on a ridge the share changes by tens of percent within 50 m.
 //!
+//! Both definitions stand in each row, the mean share of the disc and the time with any part of it: they are 3 to 8 points
+//! apart, and Mazarico's mean, which weighs the disc, is not told from ours by the second. What stands within a posting or
+//! two decides more: at the node of the connecting ridge the share of the disc is 83.9 % when the search begins at the own
+//! facet, 85.4 % from one posting on and 90.0 % from one and a half (240 m, 2020).
+//!
 //! # References
-//! Mazarico et al. (2011), Icarus 211, 1066; Gläser et al. (2014), Icarus 243, 78; Bussey et al. (2010), Icarus 208, 558.
+//! Mazarico et al. (2011), Icarus 211, 1066; Gläser et al. (2014), Icarus 243, 78; Gläser et al. (2018), Planet. Space Sci.
+//! 162, 170; Bussey et al. (2010), Icarus 208, 558.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -64,10 +70,8 @@ struct Span {
     step_h: f64,
 }
 
-/// A nodal period of the Moon: what longer means tend to.
+/// A nodal period of the Moon: what longer means tend to, Gläser's of 19 and 20 years among them.
 const NODAL: Span = Span { text: "18.6 years from 2011", from: "2011-01-01T00:00:00Z", days: 6793.5, step_h: 6.0 };
-/// Gläser's year.
-const YEAR_2018: Span = Span { text: "a year from 2018-10-22", from: "2018-10-22T00:00:00Z", days: 365.0, step_h: 1.0 };
 const YEAR_2020: Span = Span { text: "2020", from: "2020-01-01T00:00:00Z", days: 366.0, step_h: 1.0 };
 
 /// Heights above the ground are the papers'; a span is the paper's where the kernels reach.
@@ -75,11 +79,11 @@ pub const CLAIMS: [Claim; 7] = [
     ridge("Mazarico 2011, 240 m", 89.0, Model::Cap, 0.0, &NODAL),
     ridge("Mazarico 2011, 240 m", 89.0, Model::Ridge { posting_m: 20.0 }, 0.0, &NODAL),
     ridge("Mazarico 2011, 240 m", 89.0, Model::Ridge { posting_m: 10.0 }, 0.0, &NODAL),
-    ridge("Glaeser 2014, 20 m", 92.27, Model::Ridge { posting_m: 20.0 }, 2.0, &YEAR_2018),
-    ridge("Glaeser 2014, 20 m", 95.65, Model::Ridge { posting_m: 20.0 }, 10.0, &YEAR_2018),
-    ridge("Glaeser 2014, 20 m", 92.27, Model::Ridge { posting_m: 10.0 }, 2.0, &YEAR_2018),
+    ridge("Glaeser 2014, 20 m", 92.27, Model::Ridge { posting_m: 20.0 }, 2.0, &NODAL),
+    ridge("Glaeser 2014, 20 m", 95.65, Model::Ridge { posting_m: 20.0 }, 10.0, &NODAL),
+    ridge("Glaeser 2018, 20 m", 88.0, Model::Ridge { posting_m: 20.0 }, 2.0, &NODAL),
     Claim {
-        place: "88.74 S 124.5 E",
+        place: "peak near 88.74 S 124.5 E",
         source: "Bussey 2010, 474 m",
         percent: 86.0,
         latitude_deg: -88.74,
@@ -95,8 +99,8 @@ const fn ridge(source: &'static str, percent: f64, model: Model, height_m: f64, 
     Claim { place: "connecting ridge", source, percent, latitude_deg, longitude_deg, model, height_m, span }
 }
 
-/// Around a named place the best node is looked for.
-const WITHIN_M: f64 = 2000.0;
+/// Around a named place the best node is looked for: the peak that Bussey means stands 2107 m from where he names it.
+const WITHIN_M: f64 = 3000.0;
 /// Side of the ground whose illumination is held against traced nodes.
 const CHECKED_M: f64 = 3200.0;
 /// Azimuths swept for a published percentage.

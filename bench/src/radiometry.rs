@@ -13,13 +13,16 @@ use glam::{DVec2, DVec3};
 pub use contacts::{ECLIPSES, Eclipse};
 
 use super::{Error, Machine, Report, Table, Value};
-use perilune_engine::ephemeris::Source;
+use perilune_engine::ephemeris::{EARTH_RADIUS_M, Source};
 use perilune_engine::geometry::Direction;
+use perilune_engine::photometry::quadrature::{gauss_legendre, integrate};
 use perilune_engine::photometry::{
-    Curve, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk, SolarSpectrum,
+    Curve, DiscFunction, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk,
+    SolarSpectrum, lunar_disc_reflectance,
 };
 use perilune_engine::pipeline::lights::earthshine_w_m2;
 use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, SOLAR_RADIUS_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
+use perilune_engine::report::plot::{self, Axis, Plot};
 
 /// One quantity, twice.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +49,7 @@ pub fn rows(data: &[PathBuf]) -> Result<Vec<Row>, Error> {
     rows.extend(disc()?);
     rows.extend(reflectance());
     rows.extend(discs_of_bodies());
-    rows.push(earthshine());
+    rows.extend(earthshine());
     rows.extend(contacts::rows(data)?);
     Ok(rows)
 }
@@ -82,7 +85,7 @@ pub fn run(data: &[PathBuf]) -> Result<Report, Error> {
         machine: Machine::here(),
         notes,
         tables: vec![table],
-        plots: Vec::new(),
+        plots: vec![phase_curves()],
         figures: Vec::new(),
     })
 }
@@ -209,9 +212,8 @@ fn discs_of_bodies() -> Vec<Row> {
     const CLOSED: &str = "closed form";
     const ROLO: &str = "ROLO 665 nm, mean of waxing and waning (Kieffer & Stone 2005)";
     let g = 60f64.to_radians();
-    let (lambert, seeliger) =
-        (Reflectance::Lambert { normal_albedo: 0.12 }, Reflectance::LommelSeeliger { normal_albedo: 0.12 });
-    let akimov = Reflectance::Akimov { normal_albedo: 0.12, smoothness: 1.0 };
+    let (lambert, seeliger) = (Reflectance::lambert(0.12), Reflectance::empirical(0.12, DiscFunction::LommelSeeliger));
+    let akimov = Reflectance::empirical(0.12, DiscFunction::Akimov { smoothness: 1.0 });
     let of_lambert = 0.08 * (g.sin() + (PI - g) * g.cos()) / PI;
     let of_seeliger = 0.12 * (1.0 - (g / 2.0).sin() * (g / 2.0).tan() * (1.0 / (g / 4.0).tan()).ln());
     // ∫ cos^2.5 = B(7/4, 1/2), at 60° of phase.
@@ -222,38 +224,89 @@ fn discs_of_bodies() -> Vec<Row> {
         relative(sphere("Lommel-Seeliger"), "1", seeliger.disc_reflectance(g), of_seeliger, 1e-4, CLOSED),
         relative(sphere("Akimov"), "1", akimov.disc_reflectance(g), of_akimov, 1e-5, CLOSED),
     ];
-    for (phase_deg, reference) in [(2.0f64, 0.159), (7.0, 0.1227), (30.0, 0.068), (60.0, 0.033), (90.0, 0.0135)] {
-        let ours = Reflectance::Hapke(Hapke::moon()).disc_reflectance(phase_deg.to_radians());
-        rows.push(relative(
-            format!("disc-integrated I/F of the Moon at {phase_deg} deg"),
-            "1",
-            ours,
-            reference,
-            0.05,
-            ROLO,
-        ));
+    for (name, law) in laws_of_the_moon() {
+        for (phase_deg, reference) in [(2.0f64, 0.159), (7.0, 0.1227), (30.0, 0.068), (60.0, 0.033), (90.0, 0.0135)] {
+            let ours = law.disc_reflectance(phase_deg.to_radians());
+            let what = format!("disc-integrated I/F of the Moon at {phase_deg} deg, {name}");
+            let allowed = if name.starts_with("LROC") { 0.1 } else { 0.05 };
+            rows.push(relative(what, "1", ours, reference, allowed, ROLO));
+        }
     }
     rows
 }
 
-/// Full Earth at its mean distance.
-fn earthshine() -> Row {
+/// Every law that a scenario of the Moon may name, with the albedo that it has by default.
+fn laws_of_the_moon() -> Vec<(&'static str, Reflectance)> {
+    let empirical = |disc| Reflectance::lunar(0.19, disc).expect("a law of a lunar scenario");
+    vec![
+        ("lunar-Lambert", empirical(DiscFunction::LunarLambert)),
+        ("Lommel-Seeliger", empirical(DiscFunction::LommelSeeliger)),
+        ("Akimov", empirical(DiscFunction::Akimov { smoothness: 1.0 })),
+        ("Minnaert k = 0.5", empirical(DiscFunction::Minnaert { exponent: 0.5 })),
+        ("LROC 2019", Reflectance::LrocNac2019 { scale: 1.0 }),
+        ("Hapke", Reflectance::Hapke(Hapke::moon())),
+    ]
+}
+
+/// Disc-integrated I/F over the phase angle: every lunar law beside ROLO, and one law without a phase function.
+fn phase_curves() -> Plot {
+    let curve = |name: &str, of: &dyn Fn(f64) -> f64, degrees: std::ops::RangeInclusive<u32>| plot::Curve {
+        name: name.into(),
+        points: degrees.map(f64::from).map(|phase_deg| [phase_deg, of(phase_deg.to_radians())]).collect(),
+        joined: true,
+    };
+    let without = Reflectance::empirical(0.12, DiscFunction::LunarLambert);
+    let laws = laws_of_the_moon();
+    let mut curves = vec![curve("ROLO, 665 nm", &lunar_disc_reflectance, 2..=97)];
+    curves.extend(laws.iter().map(|(name, law)| curve(name, &|phase_rad| law.disc_reflectance(phase_rad), 1..=130)));
+    curves.push(curve("no phase function", &|phase_rad| without.disc_reflectance(phase_rad), 1..=130));
+    Plot {
+        title: "The Moon's disc, I/F".into(),
+        x: Axis::linear("phase angle [deg]"),
+        y: Axis::logarithmic("disc-integrated I/F"),
+        curves,
+    }
+}
+
+/// The Earth's light on the ground of the Moon, and all that it sends back.
+fn earthshine() -> Vec<Row> {
+    const ALBEDO: f64 = 0.196;
     let mean_m = 384_400e3;
     let source = |direction: DVec3, distance_m: f64| Source {
         direction: Direction::new(direction).expect("a unit vector"),
         distance_m,
         angular_radius_rad: 0.0,
     };
-    let (sun, earth) = (source(-DVec3::X, ASTRONOMICAL_UNIT_M - mean_m), source(DVec3::X, mean_m));
-    let ours = earthshine_w_m2(&sun, &earth, 0.434, TOTAL_SOLAR_IRRADIANCE_W_M2);
-    relative(
-        "earthshine of a full Earth, geometric albedo 0.434",
-        "W m-2",
-        ours,
-        0.162,
-        5e-3,
-        "1361 p (R/d)^2, three digits",
-    )
+    // The Sun at 1 au from the Earth, seen from where the Earth's phase angle is `phase_rad`.
+    let at = |phase_rad: f64| {
+        let to_earth = mean_m * DVec3::X;
+        let from_earth = ASTRONOMICAL_UNIT_M * DVec3::new(-phase_rad.cos(), phase_rad.sin(), 0.0);
+        let to_sun = to_earth + from_earth;
+        let (sun, earth) = (source(to_sun.normalize(), to_sun.length()), source(DVec3::X, mean_m));
+        earthshine_w_m2(&sun, &earth, ALBEDO, TOTAL_SOLAR_IRRADIANCE_W_M2)
+    };
+    let sent_w = integrate(&gauss_legendre(48), 0.0, PI, |phase_rad| {
+        at(phase_rad) * 2.0 * PI * phase_rad.sin() * mean_m * mean_m
+    });
+    let caught_w = TOTAL_SOLAR_IRRADIANCE_W_M2 * PI * EARTH_RADIUS_M * EARTH_RADIUS_M;
+    vec![
+        relative(
+            "earthshine of a full Earth, sunlight only",
+            "W m-2",
+            at(0.0),
+            0.075,
+            0.1,
+            "half of the 0.15 W m-2 of Glenar et al. 2019",
+        ),
+        relative(
+            "share of sunlight that the Earth sends back in all directions",
+            "1",
+            sent_w / caught_w,
+            0.29,
+            0.03,
+            "CERES, Stephens et al. 2015",
+        ),
+    ]
 }
 
 #[cfg(test)]

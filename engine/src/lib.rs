@@ -59,6 +59,7 @@
 pub mod digest;
 pub mod files;
 pub mod grid;
+pub mod linear;
 pub mod quantity;
 pub mod statistics;
 

@@ -108,7 +108,8 @@ fn kernels(scenario: &Scenario) -> Vec<KernelSource> {
 
 /// The scenario's frame with the figure that its heights refer to.
 fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error> {
-    let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
+    // By its id: a body of one's own has any name.
+    let named = almanac.body_frame(&scenario.body.naif_id.to_string(), scenario.frame.as_deref())?;
     Ok(BodyFrame { body: scenario.body.clone(), ..named })
 }
 

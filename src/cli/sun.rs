@@ -2,9 +2,11 @@
 
 use hifitime::{Duration, Epoch, Unit};
 use perilune_engine::ephemeris::{
-    Almanac, BodyFrame, EphemerisError, Horizontal, Source, earth, horizontal, parse_epoch, sun, utc_text,
+    Almanac, BodyFrame, Horizontal, Source, earth, horizontal, parse_epoch, sun, utc_text,
 };
-use perilune_engine::geometry::{BodyFixed, Geodetic, Position};
+use perilune_engine::geometry::{BodyFixed, Direction, Geodetic, Position};
+use perilune_engine::photometry::LimbDarkening;
+use perilune_engine::pipeline::lights::sun_left_by_earth;
 use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
 
@@ -13,7 +15,9 @@ use super::{Outcome, print_line};
 
 /// Where the Sun and the Earth stand in the sky of a place.
 ///
-/// Apparent directions, without refraction: azimuth clockwise from north, elevation above the local horizontal.
+/// Apparent directions, without refraction: azimuth clockwise from north, elevation above the local horizontal. On the
+/// Moon the irradiance is what the Earth leaves of the Sun's light in an eclipse. One epoch also tells the points of the
+/// body that have the Sun and the Earth in the zenith, and the phase; `--json` and `--csv` have them for every epoch.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -58,7 +62,19 @@ struct Row {
     sun_at: Horizontal,
     earth: Source,
     earth_at: Horizontal,
+    /// Share of the Sun's light that the Earth leaves.
+    sunlight: f64,
+    sub_solar: Geodetic,
+    sub_earth: Geodetic,
+    /// Between the directions from the body's centre to the Sun and to the Earth.
+    phase_rad: f64,
 }
+
+/// SPICE id of the only body that the Earth's shadow reaches.
+const MOON: i32 = 301;
+
+/// The visible light that limb darkening is taken for.
+const WAVELENGTH_NM: f64 = 550.0;
 
 pub fn run(args: Args) -> Outcome {
     let almanac = args.kernels.almanac()?;
@@ -68,6 +84,7 @@ pub fn run(args: Args) -> Outcome {
         .into_iter()
         .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
         .collect::<Result<_, _>>()?;
+    let alone = rows.len() == 1;
     if args.csv {
         print_line(COLUMNS.join(","))?;
     } else if !args.json {
@@ -81,6 +98,9 @@ pub fn run(args: Args) -> Outcome {
             print_line(row.as_csv())?;
         } else {
             print_line(row.as_table_line())?;
+            if alone {
+                print_line(row.as_notes(&args.body))?;
+            }
         }
     }
     Ok(())
@@ -146,7 +166,7 @@ fn place_text(at: Geodetic) -> String {
     format!("{:.6}°, {:.6}° E, {} m", at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees(), at.height_m)
 }
 
-const COLUMNS: [&str; 9] = [
+const COLUMNS: [&str; 16] = [
     "epoch_utc",
     "sun_azimuth_deg",
     "sun_elevation_deg",
@@ -156,6 +176,13 @@ const COLUMNS: [&str; 9] = [
     "earth_azimuth_deg",
     "earth_elevation_deg",
     "earth_range_km",
+    "earth_angular_diameter_arcsec",
+    "sunlight",
+    "sub_solar_latitude_deg",
+    "sub_solar_longitude_deg",
+    "sub_earth_latitude_deg",
+    "sub_earth_longitude_deg",
+    "phase_deg",
 ];
 
 fn table_header() -> String {
@@ -189,24 +216,48 @@ impl Row {
         at: Geodetic,
         point: Position<BodyFixed>,
         epoch: Epoch,
-    ) -> Result<Self, EphemerisError> {
+    ) -> Result<Self, Box<dyn std::error::Error>> {
+        let centre = Position::from_m(glam::DVec3::ZERO);
+        let [from_centre_sun, from_centre_earth] =
+            [sun(almanac, frame, centre, epoch)?, earth(almanac, frame, centre, epoch)?].map(|seen| seen.direction);
         let (sun, earth) = (sun(almanac, frame, point, epoch)?, earth(almanac, frame, point, epoch)?);
-        let sun_at = horizontal(&frame.body, at, sun.direction);
-        let earth_at = horizontal(&frame.body, at, earth.direction);
-        Ok(Self { epoch, sun, sun_at, earth, earth_at })
+        let sunlight = match frame.body.naif_id {
+            MOON => sun_left_by_earth(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?, &sun, &earth),
+            _ => 1.0,
+        };
+        Ok(Self {
+            epoch,
+            sun,
+            sun_at: horizontal(&frame.body, at, sun.direction),
+            earth,
+            earth_at: horizontal(&frame.body, at, earth.direction),
+            sunlight,
+            sub_solar: beneath(frame, from_centre_sun),
+            sub_earth: beneath(frame, from_centre_earth),
+            phase_rad: from_centre_sun.angle_to(from_centre_earth),
+        })
     }
 
     /// The numbers in the order and units of [`COLUMNS`].
-    fn numbers(&self) -> [f64; 8] {
+    fn numbers(&self) -> [f64; 15] {
+        let [sub_solar, sub_earth] = [self.sub_solar, self.sub_earth]
+            .map(|at| [at.latitude_rad.to_degrees(), at.longitude_east_rad.to_degrees().rem_euclid(360.0)]);
         [
             self.sun_at.azimuth_rad.to_degrees(),
             self.sun_at.elevation_rad.to_degrees(),
             2.0 * self.sun.angular_radius_rad.to_degrees() * 3600.0,
             self.sun.distance_m / ASTRONOMICAL_UNIT_M,
-            self.sun.irradiance_w_m2(TOTAL_SOLAR_IRRADIANCE_W_M2),
+            self.sunlight * self.sun.irradiance_w_m2(TOTAL_SOLAR_IRRADIANCE_W_M2),
             self.earth_at.azimuth_rad.to_degrees(),
             self.earth_at.elevation_rad.to_degrees(),
             self.earth.distance_m / 1000.0,
+            2.0 * self.earth.angular_radius_rad.to_degrees() * 3600.0,
+            self.sunlight,
+            sub_solar[0],
+            sub_solar[1],
+            sub_earth[0],
+            sub_earth[1],
+            self.phase_rad.to_degrees(),
         ]
     }
 
@@ -220,16 +271,46 @@ impl Row {
     }
 
     fn as_csv(&self) -> String {
-        let [az, el, diameter, au, irradiance, earth_az, earth_el, km] = self.numbers();
+        let [az, el, diameter, au, irradiance, earth_az, earth_el, km, earth_diameter, sunlight, below @ ..] =
+            self.numbers();
+        let below = below.map(|angle_deg| format!("{angle_deg:.6}")).join(",");
         let epoch = utc_text(self.epoch);
-        format!("{epoch},{az:.6},{el:.6},{diameter:.3},{au:.11},{irradiance:.4},{earth_az:.6},{earth_el:.6},{km:.3}")
+        format!(
+            "{epoch},{az:.6},{el:.6},{diameter:.3},{au:.11},{irradiance:.4},{earth_az:.6},{earth_el:.6},{km:.3},\
+             {earth_diameter:.3},{sunlight:.6},{below}"
+        )
     }
 
     fn as_table_line(&self) -> String {
-        let [az, el, diameter, au, irradiance, earth_az, earth_el, km] = self.numbers();
+        let [az, el, diameter, au, irradiance, earth_az, earth_el, km, ..] = self.numbers();
         let epoch = utc_text(self.epoch);
         format!(
             "{epoch:<24}{az:>12.5}{el:>11.5}{diameter:>12.3}{au:>11.7}{irradiance:>10.3}{earth_az:>15.5}{earth_el:>11.5}{km:>15.3}"
         )
+    }
+
+    fn as_notes(&self, body: &str) -> String {
+        let [.., earth_diameter, sunlight, sun_latitude, sun_longitude, earth_latitude, earth_longitude, phase] =
+            self.numbers();
+        let eclipse = match sunlight {
+            share if share < 1.0 => format!("\nEclipse: the Earth leaves {:.4} of the Sun's light.", share),
+            _ => String::new(),
+        };
+        format!(
+            "Sun in the zenith at {sun_latitude:.4}°, {sun_longitude:.4}° E; Earth at {earth_latitude:.4}°, \
+             {earth_longitude:.4}° E, {earth_diameter:.1} arcsec wide; phase angle at the {body} {phase:.3}°.{eclipse}"
+        )
+    }
+}
+
+/// The point of a body's spheroid that has a direction in its zenith.
+fn beneath(frame: &BodyFrame, towards: Direction<BodyFixed>) -> Geodetic {
+    let body = &frame.body;
+    // The spheroid's normal is (x/a², y/a², z/c²): the point whose normal is the direction.
+    let (a, c) = (body.equatorial_radius_m, body.polar_radius_m);
+    let [x, y, z] = towards.unit().to_array();
+    Geodetic {
+        height_m: 0.0,
+        ..body.geodetic_from_position(Position::from_m(glam::DVec3::new(a * a * x, a * a * y, c * c * z) / a))
     }
 }

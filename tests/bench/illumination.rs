@@ -37,7 +37,13 @@ fn track() -> Track {
     };
     let earth = seen(0.3, 4.0_f64.to_radians());
     let start = Epoch::from_gregorian_utc_at_midnight(2026, 1, 1);
-    Track { start, step: 1.0 * Unit::Hour, sun: (0..STEPS).map(sun).collect(), earth: vec![earth; STEPS] }
+    Track {
+        start,
+        step: 1.0 * Unit::Hour,
+        sun: (0..STEPS).map(sun).collect(),
+        earth: vec![earth; STEPS],
+        sunlight: vec![1.0; STEPS],
+    }
 }
 
 /// A face about the south pole with heights above the sphere.

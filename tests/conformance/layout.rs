@@ -39,7 +39,8 @@ macro_rules! host {
 fn reflectance_parameters() -> (Vec<(String, usize)>, usize) {
     host!(ReflectanceParameters: normal_albedo exponent single_scattering_albedo asymmetry backscatter
         shadow_hiding_amplitude shadow_hiding_width coherent_amplitude coherent_width mean_slope_tan
-        porosity_factor multiple_scattering)
+        porosity_factor multiple_scattering phase_linear phase_square phase_cube phase_fourth phase_narrow_surge
+        phase_wide_surge)
 }
 
 #[test]

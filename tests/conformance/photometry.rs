@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 use perilune_engine::photometry::{
-    DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, REFLECTANCE_WGSL, Reflectance,
-    SOLAR_DISK_WGSL, SolarDisk,
+    DiscFunction, DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, REFLECTANCE_WGSL,
+    Reflectance, SOLAR_DISK_WGSL, SolarDisk,
 };
 
 use super::{Comparison, Shader, functions, gpu, spread};
@@ -32,7 +32,7 @@ fn shader_of(disk: &SolarDisk, law: &Reflectance) -> Shader {
 
 /// A law's parameters as WGSL.
 fn parameters(law: &Reflectance) -> String {
-    let fields: [f32; 12] = bytemuck::cast(law.parameters());
+    let fields: [f32; 18] = bytemuck::cast(law.parameters());
     format!("ReflectanceParameters({})", fields.map(|field| format!("f32({field:e})")).join(", "))
 }
 
@@ -40,14 +40,17 @@ fn moon() -> Reflectance {
     Reflectance::Hapke(Hapke { coherent_amplitude: 0.4, coherent_width: 0.05, filling_factor: 0.2, ..Hapke::moon() })
 }
 
-fn laws() -> [Reflectance; 13] {
+fn laws() -> [Reflectance; 16] {
     [
-        Reflectance::Lambert { normal_albedo: 0.12 },
-        Reflectance::LommelSeeliger { normal_albedo: 0.12 },
-        Reflectance::LunarLambert { normal_albedo: 0.12 },
-        Reflectance::Minnaert { normal_albedo: 0.12, exponent: 0.7 },
-        Reflectance::Akimov { normal_albedo: 0.12, smoothness: 1.0 },
-        Reflectance::Akimov { normal_albedo: 0.12, smoothness: 0.34 },
+        Reflectance::lambert(0.12),
+        Reflectance::empirical(0.12, DiscFunction::LommelSeeliger),
+        Reflectance::empirical(0.12, DiscFunction::LunarLambert),
+        Reflectance::empirical(0.12, DiscFunction::Minnaert { exponent: 0.7 }),
+        Reflectance::empirical(0.12, DiscFunction::Akimov { smoothness: 1.0 }),
+        Reflectance::empirical(0.12, DiscFunction::Akimov { smoothness: 0.34 }),
+        Reflectance::lunar(0.19, DiscFunction::LunarLambert).unwrap(),
+        Reflectance::lunar(0.19, DiscFunction::Minnaert { exponent: 0.7 }).unwrap(),
+        Reflectance::LrocNac2019 { scale: 1.1 },
         Reflectance::Hapke(Hapke::moon()),
         Reflectance::Hapke(Hapke::mars()),
         Reflectance::Hapke(Hapke::mercury()),

@@ -5,7 +5,7 @@ pub use perilune_bench::stability::scenes::cube;
 use perilune_bench::stability::scenes::{level, waves};
 use perilune_engine::camera::{Camera as Optics, Pose};
 use perilune_engine::geometry::{Body, Geodetic, Position, Rotation};
-use perilune_engine::photometry::Reflectance;
+use perilune_engine::photometry::{DiscFunction, Reflectance};
 use perilune_engine::render::{Light, Quantity, Renderer, Samples, Scene, View};
 use perilune_engine::terrain::{Face, Gnomonic, Ground, Surface, Terrain};
 
@@ -51,7 +51,7 @@ fn view(body: &Body, from: Geodetic, at: Geodetic, sun_elevation_deg: f64) -> Vi
     let sun =
         Light { position: Position::from_m(1.496e11 * sun), angular_radius_rad: 0.00465, irradiance_w_m2: 1361.0 };
     View::new(Pose { position, camera_from_body }, Optics::pinhole(1, 1, DVec2::ONE).unwrap(), vec![sun])
-        .with_reflectance(Reflectance::LunarLambert { normal_albedo: 0.12 })
+        .with_reflectance(Reflectance::empirical(0.12, DiscFunction::LunarLambert))
         .with_samples_per_side(2)
         .with_quantities([Quantity::Radiance, Quantity::Range])
 }

@@ -8,7 +8,7 @@ use glam::DQuat;
 use perilune_engine::camera::{Camera as Optics, Detector};
 use perilune_engine::geometry::Position;
 use perilune_engine::horizon::Encoding;
-use perilune_engine::photometry::{Hapke, Reflectance};
+use perilune_engine::photometry::{DiscFunction, Hapke, Reflectance};
 use perilune_engine::render::{AlbedoRole, CacheSize, Image, Light, Quantity, Renderer, Scene, Session, View};
 use perilune_engine::shadow::horizon_maps::HorizonMaps;
 use perilune_engine::shadow::registry;
@@ -69,7 +69,7 @@ fn detector() -> Detector {
 fn views(view: &View) -> Vec<View> {
     let lights = |count: usize| (0..count).map(|index| turned(&view.lights[0], 0.4 * index as f64)).collect();
     let hapke = |w: f64| Reflectance::Hapke(Hapke { single_scattering_albedo: w, ..Hapke::moon() });
-    let lambert = |normal_albedo: f64| Reflectance::Lambert { normal_albedo };
+    let lambert = |normal_albedo: f64| Reflectance::lambert(normal_albedo);
     vec![
         view.clone(),
         view.clone().with_reflectance(hapke(0.3)),
@@ -171,7 +171,7 @@ fn a_thousand_views_leave_a_session_as_large_as_a_hundred() {
 
 fn render_a_thousand() {
     let (scene, view) = scene();
-    let laws = [Reflectance::LunarLambert { normal_albedo: 0.1 }, Reflectance::Lambert { normal_albedo: 0.1 }];
+    let laws = [Reflectance::empirical(0.1, DiscFunction::LunarLambert), Reflectance::lambert(0.1)];
     // The reference renderer finds skylines anew for every view; ground without shadows is as good here.
     let plain = scene.clone().with_shadows(registry::no_shadows());
     for (renderer, scene) in renderers().into_iter().zip([&plain, &scene]) {

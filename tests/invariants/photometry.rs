@@ -6,7 +6,8 @@ use glam::{DQuat, DVec2, DVec3};
 use perilune_engine::geometry::{BodyFixed, Direction, Local};
 use perilune_engine::photometry::quadrature::{gauss_legendre, integrate};
 use perilune_engine::photometry::{
-    DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk, SunAxes,
+    DiscFunction, DiskLight, Facet, Hapke, HorizonLine, LimbDarkening, MultipleScattering, Reflectance, SolarDisk,
+    SunAxes,
 };
 
 const RADIUS_RAD: f64 = 0.004_65;
@@ -15,15 +16,17 @@ fn disk() -> SolarDisk {
     SolarDisk::new(LimbDarkening::hestroffer_magnan(550.0).unwrap()).unwrap()
 }
 
-fn laws() -> [Reflectance; 11] {
+fn laws() -> [Reflectance; 13] {
     let moon = Hapke::moon();
     [
-        Reflectance::Lambert { normal_albedo: 0.4 },
-        Reflectance::LommelSeeliger { normal_albedo: 0.25 },
-        Reflectance::LunarLambert { normal_albedo: 0.4 },
-        Reflectance::Minnaert { normal_albedo: 0.4, exponent: 0.7 },
-        Reflectance::Akimov { normal_albedo: 0.25, smoothness: 1.0 },
-        Reflectance::Akimov { normal_albedo: 0.25, smoothness: 0.34 },
+        Reflectance::lambert(0.4),
+        Reflectance::empirical(0.25, DiscFunction::LommelSeeliger),
+        Reflectance::empirical(0.4, DiscFunction::LunarLambert),
+        Reflectance::empirical(0.4, DiscFunction::Minnaert { exponent: 0.7 }),
+        Reflectance::empirical(0.25, DiscFunction::Akimov { smoothness: 1.0 }),
+        Reflectance::empirical(0.25, DiscFunction::Akimov { smoothness: 0.34 }),
+        Reflectance::lunar(0.4, DiscFunction::LunarLambert).unwrap(),
+        Reflectance::lunar(0.25, DiscFunction::Akimov { smoothness: 0.34 }).unwrap(),
         Reflectance::Hapke(Hapke::mars()),
         Reflectance::Hapke(Hapke::mercury()),
         Reflectance::Hapke(moon),

@@ -131,7 +131,7 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
     };
     let nodes: Vec<[usize; 2]> =
         (20..=100).step_by(16).flat_map(|row| (20..=100).step_by(16).map(move |column| [column, row])).collect();
-    for law in [Reflectance::Lambert { normal_albedo: 0.2 }, Reflectance::Hapke(Hapke::moon())] {
+    for law in [Reflectance::lambert(0.2), Reflectance::Hapke(Hapke::moon())] {
         let mut believed = Vec::new();
         for (azimuths, elevations, most_bias, most_rms) in [(16, 2, 0.07, 0.2), (32, 4, 0.015, 0.09)] {
             let terrain = Grid::square(1200.0, 20.0).terrain(&flat_body(), waves);

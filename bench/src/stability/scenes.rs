@@ -69,7 +69,7 @@ pub fn scene(terrain: Terrain) -> Scene {
 /// A view of Lambert ground of albedo 0.2 by a camera of one pixel, one sample a pixel.
 pub fn view(pose: Pose, lights: Vec<Light>) -> View {
     View::new(pose, pinhole(1, 1, 1.0), lights)
-        .with_reflectance(Reflectance::Lambert { normal_albedo: 0.2 })
+        .with_reflectance(Reflectance::lambert(0.2))
         .with_quantities([Quantity::Radiance, Quantity::Range])
 }
 

@@ -16,7 +16,8 @@
 use serde::Serialize;
 
 use super::ScalarImage;
-use super::statistics::{line, solve};
+use super::statistics::line;
+use crate::linear::solve;
 
 /// What is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]

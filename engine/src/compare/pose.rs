@@ -23,9 +23,9 @@ use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
 
 use super::register::{Freedom, Motion, Registration};
-use super::statistics::solve;
 use crate::camera::{Pose, PosedCamera};
 use crate::geometry::Rotation;
+use crate::linear::solve;
 use crate::terrain::Surface;
 
 /// A turn of the camera and a change of its focal length.

@@ -23,8 +23,9 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::statistics::{correlation, solve};
+use super::statistics::correlation;
 use super::{Error, ScalarImage};
+use crate::linear::solve;
 
 /// What may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]

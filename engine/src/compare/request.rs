@@ -6,7 +6,7 @@ use super::Error;
 use super::photometric::Model;
 use super::register::Freedom;
 use super::render::Trial;
-use crate::photometry::{Hapke, LimbDarkening, Reflectance, SolarDisk};
+use crate::photometry::{DiscFunction, Hapke, LimbDarkening, PhotometryError, Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice};
 use crate::scenario;
 
@@ -79,14 +79,14 @@ impl Law {
         }
     }
 
-    pub fn reflectance(self) -> Reflectance {
+    pub fn reflectance(self) -> Result<Reflectance, PhotometryError> {
         let normal_albedo = NORMAL_ALBEDO;
         match self {
-            Self::Lambert => Reflectance::Lambert { normal_albedo },
-            Self::LommelSeeliger => Reflectance::LommelSeeliger { normal_albedo },
-            Self::LunarLambert => Reflectance::LunarLambert { normal_albedo },
-            Self::Minnaert => Reflectance::Minnaert { normal_albedo, exponent: MINNAERT_EXPONENT },
-            Self::HapkeMoon => Reflectance::Hapke(Hapke::moon()),
+            Self::Lambert => Ok(Reflectance::lambert(normal_albedo)),
+            Self::LommelSeeliger => Reflectance::lunar(normal_albedo, DiscFunction::LommelSeeliger),
+            Self::LunarLambert => Reflectance::lunar(normal_albedo, DiscFunction::LunarLambert),
+            Self::Minnaert => Reflectance::lunar(normal_albedo, DiscFunction::Minnaert { exponent: MINNAERT_EXPONENT }),
+            Self::HapkeMoon => Ok(Reflectance::Hapke(Hapke::moon())),
         }
     }
 }
@@ -95,7 +95,7 @@ impl Trial {
     /// Cast shadows of a limb-darkened Sun.
     pub fn of(law: Law) -> Result<Self, Error> {
         let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?;
-        let (name, reflectance) = (law.name().into(), law.reflectance());
+        let (name, reflectance) = (law.name().into(), law.reflectance()?);
         Ok(Self { name, reflectance, disk, shadows: true, sun_radii: 1.0, sun_turn_rad: [0.0; 2] })
     }
 

@@ -45,7 +45,7 @@ pub enum Pointing {
 /// Whither the top of the image leans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Top {
-    /// The body's north pole.
+    /// The body's north pole; straight above or below a pole the way north of the meridian of longitude 0.
     North,
     /// The velocity against the turning body: ground enters the image at the top.
     Velocity,
@@ -108,12 +108,17 @@ impl Pointing {
         };
         let z = boresight.ok_or(AttitudeError::NoBoresight { why })?;
         let towards = match top {
-            Top::North => DVec3::Z,
+            Top::North => north(z, up),
             Top::Velocity => velocity_m_s.try_normalize().unwrap_or(z),
             Top::Up => up,
         };
         look(z, towards, *roll_rad).ok_or(AttitudeError::NoTop { top: *top })
     }
+}
+
+/// Where north is for a boresight: at a pole, where all ways lead south or north, that of the meridian of longitude 0.
+fn north(boresight: DVec3, up: DVec3) -> DVec3 {
+    if boresight.cross(DVec3::Z).length() < PARALLEL { -up.z.signum() * DVec3::X } else { DVec3::Z }
 }
 
 /// Camera axes from the boresight and the top; `None` where the two are parallel.

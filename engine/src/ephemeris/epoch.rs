@@ -3,6 +3,9 @@
 //! An `Epoch` read here counts SI seconds (it is kept in TAI), so that adding a duration crosses a leap second
 //! rightly and `23:59:60` is an instant of its own. `hifitime` alone makes it the second before, and skips a
 //! second when a duration is added to an epoch kept in UTC.
+//!
+//! From 1961 to 1971 UTC ran at rates of its own, with steps of parts of a second, and `TAI − UTC` is that of the IERS as
+//! in SOFA's `iauDat`; `hifitime` takes UTC for TAI then, 1.4 to 9.9 s off. Before 1961 there is no UTC.
 #![warn(missing_docs)]
 
 use hifitime::{Duration, Epoch, TimeScale, Unit};
@@ -22,10 +25,29 @@ pub(super) fn parse_in_scale(date_time: &str, scale: TimeScale) -> Result<Epoch,
     let (date, time) = date_time.split_once(['T', ' ']).unwrap_or((date_time, "00:00:00"));
     let (year, month, day) = parse_date(date)?;
     let (hour, minute, second, nanos) = parse_time(time)?;
+    if scale == TimeScale::UTC && year < FIRST_LEAP_SECONDS {
+        let offset_s = early_utc_offset_s(year, month, day, [hour, minute, second])?;
+        let as_tai = Epoch::maybe_from_gregorian(year, month, day, hour, minute, second, nanos, TimeScale::TAI);
+        return Ok(as_tai.map_err(|_| NO_SUCH)? + offset_s * Unit::Second);
+    }
     let epoch = Epoch::maybe_from_gregorian(year, month, day, hour, minute, second, nanos, scale)
-        .map_err(|_| "there is no such date or time")?
+        .map_err(|_| NO_SUCH)?
         .to_time_scale(TimeScale::TAI);
     Ok(if second == 60 { epoch + 1.0 * Unit::Second } else { epoch })
+}
+
+const NO_SUCH: &str = "there is no such date or time";
+
+/// From this year on UTC and TAI are whole seconds apart.
+const FIRST_LEAP_SECONDS: i32 = 1972;
+
+/// `TAI − UTC` before there were leap seconds, to the microsecond.
+fn early_utc_offset_s(year: i32, month: u8, day: u8, [hour, minute, second]: [u8; 3]) -> Result<f64, &'static str> {
+    if year < 1961 {
+        return Err("UTC begins in 1961; give an earlier epoch in TT, TAI or TDB");
+    }
+    let day_share = (f64::from(hour) * 3600.0 + f64::from(minute) * 60.0 + f64::from(second)) / 86400.0;
+    sofars::ts::dat(year, month.into(), day.into(), day_share).map_err(|_| NO_SUCH)
 }
 
 /// The text before a scale, and the scale.
@@ -105,12 +127,26 @@ pub fn utc_text(epoch: Epoch) -> String {
 /// `hifitime` turns UTC into TAI rightly, but TAI into UTC one second early in the half minute before a leap second.
 fn utc(tai: Epoch) -> (Epoch, bool) {
     let utc = tai.to_time_scale(TimeScale::UTC);
+    if let Some(offset_s) = early_offset_of_tai_s(tai) {
+        return ((utc - offset_s * Unit::Second).round(Duration::from_milliseconds(1.0)), false);
+    }
     let late = |utc: Epoch| (tai - utc.to_time_scale(TimeScale::TAI)).to_seconds().round();
     if late(utc) == 0.0 {
         return (utc, false);
     }
     let next = utc + 1.0 * Unit::Second;
     if late(next) == 0.0 { (next, false) } else { (utc, true) }
+}
+
+/// `TAI − UTC` at an instant before there were leap seconds, where the two differ by a drift of 3 ms a day.
+fn early_offset_of_tai_s(tai: Epoch) -> Option<f64> {
+    let offset_s = |as_utc: Epoch| {
+        let (year, month, day, hour, minute, second, _) = as_utc.to_gregorian(TimeScale::TAI);
+        let early = (1961..FIRST_LEAP_SECONDS).contains(&year);
+        early.then(|| early_utc_offset_s(year, month, day, [hour, minute, second]).ok()).flatten()
+    };
+    // The first guess is off by the offset itself, which is worth 0.3 µs of drift.
+    offset_s(tai - offset_s(tai)? * Unit::Second)
 }
 
 /// TDB seconds past J2000 as text in UTC, for coverage.
@@ -147,6 +183,25 @@ mod tests {
         .to_seconds();
         // 37 s + 32.184 s, and TDB - TT is at most 1.7 ms.
         assert!((difference_s - 69.184).abs() < 2e-3, "{difference_s} s");
+    }
+
+    /// IERS `tai-utc.dat`: from 1968-02-01 `4.2131700 s + (MJD − 39126) 0.002592 s`, from 1961-01-01
+    /// `1.4228180 s + (MJD − 37300) 0.001296 s`; MJD 40422 is 1969-07-20. The last minute of 1971 had 0.107758 s more.
+    #[test]
+    fn utc_before_1972_runs_at_its_own_rate() {
+        let offset_s = |text: &str| {
+            (parse_epoch(&format!("{text} UTC")).unwrap() - parse_epoch(&format!("{text} TAI")).unwrap()).to_seconds()
+        };
+        let apollo_11 = 4.213_17 + (40_422.0 + 20.0 / 24.0 - 39_126.0) * 0.002_592;
+        assert!((offset_s("1969-07-20T20:00:00") - apollo_11).abs() < 2e-6);
+        assert!((offset_s("1961-01-02T00:00:00") - (1.422_818 + 0.001_296)).abs() < 2e-6);
+        assert!((offset_s("1972-01-01T00:00:00") - 10.0).abs() < 1e-9);
+        for text in ["1969-07-20T20:17:40Z", "1961-03-01T00:00:00Z", "1971-12-31T12:00:00Z", "1966-01-01T00:00:01Z"] {
+            assert_eq!(utc_text(parse_epoch(text).unwrap()), text);
+        }
+        let said = parse_epoch("1959-01-01Z").unwrap_err().to_string();
+        assert!(said.contains("UTC begins in 1961"), "{said}");
+        assert!(parse_epoch("1959-01-01 TT").is_ok());
     }
 
     #[test]

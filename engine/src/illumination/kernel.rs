@@ -22,6 +22,16 @@ pub struct Task<'a> {
     pub sun: Vec<Seen>,
     pub earth: Vec<Seen>,
     pub disc: DiscShare,
+    /// By step.
+    pub lit: Vec<LitStep>,
+}
+
+/// What a step's light takes to count.
+#[derive(Clone, Copy)]
+pub struct LitStep {
+    /// Share of the Sun's light that the Earth leaves.
+    pub sunlight: f32,
+    /// Solar radii that the disc's centre must stand above the skyline.
     pub threshold: f32,
 }
 
@@ -52,14 +62,14 @@ impl Task<'_> {
         let first = DVec2::from(self.blocks.first(block).map(|index| index as f64));
         for (step, (sun, earth)) in self.sun.iter().zip(&self.earth).enumerate() {
             let (above, radius_rad) = (self.above(first, sun.towards), sun.angular_radius_rad as f32);
-            let earth = self.above(first, earth.towards);
+            let (earth, lit) = (self.above(first, earth.towards), self.lit[step]);
             wide(
                 #[inline(always)]
                 || {
-                    self.add_sun(&skylines, &above, 1.0 / radius_rad, &mut sums);
+                    self.add_sun(&skylines, &above, 1.0 / radius_rad, lit, &mut sums);
                     add_earth(&skylines, &earth, &mut sums.earth);
                     for (area, counts) in &here {
-                        let total = self.total(&skylines, [&above, &earth], 1.0 / radius_rad, counts);
+                        let total = self.total(&skylines, [&above, &earth], 1.0 / radius_rad, lit, counts);
                         totals[*area].0.iter_mut().zip(total).for_each(|(sums, more)| sums[step] += f64::from(more));
                     }
                 },
@@ -105,15 +115,22 @@ impl Task<'_> {
 
     /// Sums over the lanes that count: lit, share of the disc, Earth in sight.
     #[inline(always)]
-    fn total(&self, skylines: &[f32], [sun, earth]: [&Above; 2], inverse_radius: f32, counts: &[f32]) -> [f32; 3] {
+    fn total(
+        &self,
+        skylines: &[f32],
+        [sun, earth]: [&Above; 2],
+        inverse_radius: f32,
+        lit: LitStep,
+        counts: &[f32],
+    ) -> [f32; 3] {
         let mut total = [[0.0_f32; BLOCK]; 3];
         for row in 0..BLOCK {
             let (over, beside) = (sun.clearances(skylines, row), earth.clearances(skylines, row));
             let counts = &counts[row * BLOCK..(row + 1) * BLOCK];
             for i in 0..BLOCK {
                 let radii = over[i] * inverse_radius;
-                total[0][i] += if radii > self.threshold { counts[i] } else { 0.0 };
-                total[1][i] += counts[i] * self.disc.at(radii);
+                total[0][i] += if radii > lit.threshold { counts[i] } else { 0.0 };
+                total[1][i] += counts[i] * lit.sunlight * self.disc.at(radii);
                 total[2][i] += if beside[i] > 0.0 { counts[i] } else { 0.0 };
             }
         }
@@ -121,7 +138,7 @@ impl Task<'_> {
     }
 
     #[inline(always)]
-    fn add_sun(&self, skylines: &[f32], above: &Above, inverse_radius: f32, sums: &mut Sums) {
+    fn add_sun(&self, skylines: &[f32], above: &Above, inverse_radius: f32, step: LitStep, sums: &mut Sums) {
         for row in 0..BLOCK {
             let lanes = row * BLOCK..(row + 1) * BLOCK;
             let clearances: [f32; BLOCK] = above.clearances(skylines, row);
@@ -129,9 +146,9 @@ impl Task<'_> {
             let (dark, longest) = (&mut sums.dark[lanes.clone()], &mut sums.longest[lanes]);
             for i in 0..BLOCK {
                 let radii = clearances[i] * inverse_radius;
-                let is_lit = if radii > self.threshold { 1.0 } else { 0.0 };
+                let is_lit = if radii > step.threshold { 1.0 } else { 0.0 };
                 lit[i] += is_lit;
-                share[i] += self.disc.at(radii);
+                share[i] += step.sunlight * self.disc.at(radii);
                 dark[i] = (dark[i] + 1.0) * (1.0 - is_lit);
                 longest[i] = if dark[i] > longest[i] { dark[i] } else { longest[i] };
             }

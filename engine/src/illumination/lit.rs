@@ -14,12 +14,17 @@ pub enum Lit {
 }
 
 impl Lit {
-    /// How many solar radii the disc's centre must stand above the skyline.
-    pub fn threshold(self, disk: &SolarDisk) -> f64 {
+    /// How many solar radii the disc's centre must stand above the skyline, when so much of the Sun's light is left by
+    /// the Earth; infinite where no height is enough. The centre counts as hidden by the Earth with half of the light.
+    pub fn threshold(self, disk: &SolarDisk, sunlight: f64) -> f64 {
         match self {
+            _ if sunlight <= 0.0 => f64::INFINITY,
+            Self::Centre if sunlight < 0.5 => f64::INFINITY,
+            Self::Share(share) if share > sunlight => f64::INFINITY,
             Self::AnyLimb => -1.0,
             Self::Centre => 0.0,
             Self::Share(share) => {
+                let share = share / sunlight;
                 let (mut low, mut high) = (-1.0, 1.0);
                 for _ in 0..50 {
                     let middle = 0.5 * (low + high);
@@ -105,11 +110,15 @@ mod tests {
     #[test]
     fn a_share_of_one_half_is_the_centre() {
         let disk = SolarDisk::new(LimbDarkening::Power { alpha: 0.5 }).unwrap();
-        assert!(Lit::Share(0.5).threshold(&disk).abs() < 1e-9);
-        assert!(Lit::Share(0.01).threshold(&disk) > Lit::AnyLimb.threshold(&disk));
+        assert!(Lit::Share(0.5).threshold(&disk, 1.0).abs() < 1e-9);
+        assert!(Lit::Share(0.01).threshold(&disk, 1.0) > Lit::AnyLimb.threshold(&disk, 1.0));
+        // Half of the light left: half of it is all that is left, and of none nothing is lit.
+        assert!((Lit::Share(0.5).threshold(&disk, 0.5) - 1.0).abs() < 1e-3);
+        assert_eq!(Lit::Share(0.6).threshold(&disk, 0.5), f64::INFINITY);
+        assert_eq!(Lit::AnyLimb.threshold(&disk, 0.0), f64::INFINITY);
         // Half a radius above the line the uniform disc shows 1 − (acos ½ − ½ √¾)/π of itself.
         let uniform = SolarDisk::new(LimbDarkening::Uniform).unwrap();
         let share = 1.0 - (0.5_f64.acos() - 0.5 * 0.75_f64.sqrt()) / std::f64::consts::PI;
-        assert!((Lit::Share(share).threshold(&uniform) - 0.5).abs() < 1e-6);
+        assert!((Lit::Share(share).threshold(&uniform, 1.0) - 0.5).abs() < 1e-6);
     }
 }

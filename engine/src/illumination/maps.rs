@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::blocks::Blocks;
-use super::kernel::{Sums, Task};
+use super::kernel::{LitStep, Sums, Task};
 use super::lit::{DiscShare, Lit};
 use super::series::{Series, Totals};
 use super::skylines::Skylines;
@@ -67,7 +67,14 @@ impl Study<'_> {
             sun: in_map(&face.map, &track.sun),
             earth: in_map(&face.map, &track.earth),
             disc: DiscShare::new(self.disk),
-            threshold: self.lit.threshold(self.disk) as f32,
+            lit: track
+                .sunlight
+                .iter()
+                .map(|&sunlight| LitStep {
+                    sunlight: sunlight as f32,
+                    threshold: self.lit.threshold(self.disk, sunlight) as f32,
+                })
+                .collect(),
         };
         // A strip's series is summed in the order of its blocks, the strips' in theirs: the same whatever the threads.
         let needed = needed_blocks(nodes, areas);

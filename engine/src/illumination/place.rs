@@ -60,8 +60,7 @@ impl<'a> Place<'a> {
 
     /// All steps of a track.
     pub fn moments(&self, track: &Track, disk: &SolarDisk, lit: Lit) -> Vec<Moment> {
-        let threshold = lit.threshold(disk);
-        let moment = |(sun, earth): (&Seen, &Seen)| {
+        let moment = |((sun, earth), &sunlight): ((&Seen, &Seen), &f64)| {
             let (sun_elevation_rad, skyline_rad) = self.above(sun.towards);
             let (earth_elevation_rad, beneath_rad) = self.above(earth.towards);
             let radii = (sun_elevation_rad - skyline_rad) / sun.angular_radius_rad;
@@ -69,14 +68,14 @@ impl<'a> Place<'a> {
                 sun_azimuth_rad: self.azimuth_rad(sun.towards),
                 sun_elevation_rad,
                 skyline_rad,
-                share: disk.visible_above(-radii),
-                lit: radii > threshold,
+                share: sunlight * disk.visible_above(-radii),
+                lit: radii > lit.threshold(disk, sunlight),
                 earth_azimuth_rad: self.azimuth_rad(earth.towards),
                 earth_elevation_rad,
                 earth_seen: earth_elevation_rad > beneath_rad,
             }
         };
-        track.sun.iter().zip(&track.earth).map(moment).collect()
+        track.sun.iter().zip(&track.earth).zip(&track.sunlight).map(moment).collect()
     }
 
     /// (azimuth clockwise from north, elevation) of the skyline, by azimuth.

@@ -5,6 +5,8 @@ use hifitime::{Duration, Epoch};
 
 use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, Source, earth, sun};
 use crate::geometry::{BodyFixed, Position};
+use crate::photometry::LimbDarkening;
+use crate::photometry::eclipse::{EARTH_SHADOW, share_left};
 
 /// A disc in the sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +23,8 @@ pub struct Track {
     pub step: Duration,
     pub sun: Vec<Seen>,
     pub earth: Vec<Seen>,
+    /// Share of the Sun's light that the Earth leaves: 1 but in a lunar eclipse.
+    pub sunlight: Vec<f64>,
 }
 
 impl Track {
@@ -35,13 +39,24 @@ impl Track {
     ) -> Result<Self, EphemerisError> {
         let seen =
             |source: Source| Seen { towards: source.direction.unit(), angular_radius_rad: source.angular_radius_rad };
-        let mut track = Self { start, step, sun: Vec::with_capacity(steps), earth: Vec::with_capacity(steps) };
+        let (sun_track, earth_track) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
+        let mut track = Self { start, step, sun: sun_track, earth: earth_track, sunlight: vec![1.0; steps] };
         for index in 0..steps {
             let epoch = track.epoch(index);
             track.sun.push(seen(sun(almanac, frame, point, epoch)?));
             track.earth.push(seen(earth(almanac, frame, point, epoch)?));
         }
         Ok(track)
+    }
+
+    /// With the Earth hiding the Sun where it stands before it, as on the Moon alone.
+    pub fn with_eclipses(mut self, law: LimbDarkening) -> Self {
+        for ((sun, earth), left) in self.sun.iter().zip(&self.earth).zip(&mut self.sunlight) {
+            let shadow_rad = (EARTH_SHADOW * earth.angular_radius_rad.sin()).min(1.0).asin();
+            let apart_rad = sun.towards.angle_between(earth.towards);
+            *left = share_left(law, sun.angular_radius_rad, shadow_rad, apart_rad);
+        }
+        self
     }
 
     pub fn epoch(&self, index: usize) -> Epoch {

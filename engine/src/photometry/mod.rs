@@ -3,17 +3,20 @@
 //! - [`SolarDisk`]: share and first moment of the limb-darkened disc above a horizon and a facet's own plane
 //! - [`LimbDarkening`]: how it darkens towards its limb; [`eclipse`]: what another disc leaves of it
 //! - [`SolarSpectrum`] and [`Curve`]: sunlight through a camera's band
-//! - [`Reflectance`]: radiance per irradiance of the ground
+//! - [`Reflectance`]: radiance per irradiance of the ground, of which empirical laws have a [`DiscFunction`] and a
+//!   [`PhaseFunction`]
 //! - [`quadrature`]: the Gauss–Legendre rule that both use
 //!
 //! The shaders [`SOLAR_DISK_WGSL`] and [`REFLECTANCE_WGSL`] do the same in `f32`; `tests/conformance` holds the
 //! two together.
 
 mod curve;
+mod disc_function;
 pub mod eclipse;
 mod hapke;
 mod limb_darkening;
 mod parameter_sets;
+mod phase_function;
 pub mod quadrature;
 mod reflectance;
 mod solar_disk;
@@ -21,8 +24,10 @@ mod spectrum;
 mod tangent_plane;
 
 pub use curve::Curve;
+pub use disc_function::DiscFunction;
 pub use hapke::{Hapke, MultipleScattering};
 pub use limb_darkening::LimbDarkening;
+pub use phase_function::{PhaseFunction, lunar_disc_reflectance};
 pub use reflectance::{Reflectance, ReflectanceParameters};
 pub use solar_disk::{DiskLight, SolarDisk};
 pub use spectrum::{BandLight, SolarSpectrum};
@@ -39,6 +44,8 @@ pub const REFLECTANCE_WGSL: &str = include_str!("reflectance.wgsl");
 pub enum PhotometryError {
     #[error("{parameter} = {got} is outside {allowed}")]
     OutOfRange { parameter: &'static str, got: f64, allowed: &'static str },
+    #[error("no phase function fits this law")]
+    NoPhaseFunction,
     #[error("line {line} is not two numbers, a wavelength in nm and a value")]
     CurveLine { line: usize },
     #[error("point {point} {what}")]

@@ -1,75 +1,50 @@
 //! Radiance of the ground per irradiance of the ground: the bidirectional reflectance distribution function.
 //!
-//! With `μ0 = cos i`, `μ = cos e`, `g` the phase angle and `A` the normal albedo, `BRDF = L/E = RADF/(π μ0)`:
+//! With `μ0 = cos i`, `μ = cos e` and `g` the phase angle, `BRDF = L/E = RADF/(π μ0)`:
 //!
 //! ```text
-//! Lambert           A/π
-//! Lommel–Seeliger   A/π · 2/(μ0 + μ)
-//! lunar-Lambert     A/π · [2 L(g)/(μ0 + μ) + 1 − L(g)]     L = 1 − 0.019 g + 0.242e-3 g² − 1.46e-6 g³, g in deg, L ≥ 0
-//! Minnaert          A/π · (μ0 μ)^(k−1)
-//! Akimov            A/π · cos(g/2) cos(π d/(π − g)) (cos b)^(1 + η g/(π − g)) / (μ0 μ)
-//! Hapke             see `Hapke`
+//! empirical   RADF = A f(g) D(i, e, g)       A the normal albedo, see `PhaseFunction` and `DiscFunction`
+//! LROC 2019   RADF = μ0/(μ0 + μ) exp(−1.479654495 − 8.3528e-5 g² + 0.012964707 g − 0.237774774 √g
+//!                                    + 0.556075496 μ + 0.663671460 μ0 − 0.439918609 μ0²)    g in deg
+//! Hapke       see `Hapke`
 //! ```
 //!
-//! with the photometric latitude `b` and the longitude `d` from the middle between the points below the Sun and below
-//! the camera:
-//!
-//! ```text
-//! cos b cos d = (μ0 + μ)/(2 cos(g/2))        cos b sin d = (μ0 − μ)/(2 sin(g/2))
-//! ```
-//!
-//! Akimov's `η` is 1 in his parameterless law; smaller ones fade less towards the poles of the photometric system.
-//! Every law is symmetric in `i` and `e`. Cosines below 1e-6 count as 1e-6, so that every value is finite. At the
-//! terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
+//! Every law but LROC's is symmetric in `i` and `e`. Cosines below 1e-6 count as 1e-6, so that every value is finite. At
+//! the terminator take `μ0` over the visible part of the disc, `E/(E_n V)`, which is positive where `E` is.
 //!
 //! # Assumptions
 //! - The phase angle comes as a cosine. In `f32` it resolves 3.5e-4 rad, 0.3 % of the lunar opposition surge.
 //! - The Sun is a point for the phase angle; the surge inside `g < r` is not flattened.
+//! - LROC's law was fitted to phase angles of 15 to 65°; what it says elsewhere is extrapolated.
 //!
 //! `reflectance.wgsl` does the same; `tests/conformance/photometry.rs` holds the two together.
 //!
 //! # References
-//! McEwen (1996), LPSC XXVII, 841, for the lunar-Lambert weight (as in ISIS `LunarLambertMcEwen`);
-//! Minnaert (1941), ApJ 93, 403; Shkuratov et al. (2011), PSS 59, 1326, doi:10.1016/j.pss.2011.06.011, for Akimov's law
-//! with and without its parameter.
+//! USGS ISIS, `lronacpho`, algorithm of 2019, for LROC's law. Those of the disc functions and of the phase function stand
+//! there.
 #![warn(missing_docs)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::quadrature::{gauss_legendre, integrate};
-use super::{Hapke, MultipleScattering, PhotometryError};
+use super::{DiscFunction, Hapke, MultipleScattering, PhaseFunction, PhotometryError};
 
 /// A law of reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reflectance {
-    /// The same radiance towards all sides.
-    Lambert {
+    /// What an albedo, a phase function and a disc function give together.
+    Empirical {
         /// `π f_r` at `i = e = g = 0`.
         normal_albedo: f64,
+        /// How light is spread over the disc.
+        disc: DiscFunction,
+        /// How it falls with the phase angle.
+        phase: PhaseFunction,
     },
-    /// Single scattering by a dark, rough layer.
-    LommelSeeliger {
-        /// `π f_r` at `i = e = g = 0`.
-        normal_albedo: f64,
-    },
-    /// Lommel-Seeliger and Lambert, mixed by the phase angle.
-    LunarLambert {
-        /// `π f_r` at `i = e = g = 0`.
-        normal_albedo: f64,
-    },
-    /// Minnaert's law.
-    Minnaert {
-        /// `π f_r` at `i = e = g = 0`.
-        normal_albedo: f64,
-        /// Minnaert's `k`.
-        exponent: f64,
-    },
-    /// `smoothness` is Akimov's η: 1 is his parameterless law.
-    Akimov {
-        /// `π f_r` at `i = e = g = 0`.
-        normal_albedo: f64,
-        /// Akimov's `η`.
-        smoothness: f64,
+    /// The Moon in images of LROC's narrow-angle cameras, fitted in 2019.
+    LrocNac2019 {
+        /// What multiplies the reflectance: 1 is the fit's.
+        scale: f64,
     },
     /// Hapke's model.
     Hapke(Hapke),
@@ -79,7 +54,7 @@ pub enum Reflectance {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ReflectanceParameters {
-    /// For Hapke's law what multiplies it.
+    /// For Hapke's law and LROC's what multiplies it.
     pub normal_albedo: f32,
     /// Minnaert's `k`, or Akimov's `η`.
     pub exponent: f32,
@@ -103,43 +78,62 @@ pub struct ReflectanceParameters {
     pub porosity_factor: f32,
     /// The year of the function `H`: 1981 or 2002.
     pub multiple_scattering: f32,
+    /// Of the powers of the phase angle in `ln f`.
+    pub phase_linear: f32,
+    /// See `phase_linear`.
+    pub phase_square: f32,
+    /// See `phase_linear`.
+    pub phase_cube: f32,
+    /// See `phase_linear`.
+    pub phase_fourth: f32,
+    /// Of the surge of 4°.
+    pub phase_narrow_surge: f32,
+    /// Of the surge of 13°.
+    pub phase_wide_surge: f32,
 }
 
 /// Cosines of incidence and emission count as no less.
 const LEAST_COSINE: f64 = 1e-6;
 
-/// Akimov's phase angle stays as far from 180°, where his law has no value.
-const LEAST_SUPPLEMENT_RAD: f64 = 1e-3;
-
 impl Reflectance {
+    /// A law without a phase function: brightness changes with the phase angle only as the disc function says.
+    pub fn empirical(normal_albedo: f64, disc: DiscFunction) -> Self {
+        Self::Empirical { normal_albedo, disc, phase: PhaseFunction::CONSTANT }
+    }
+
+    /// Lambert's law.
+    pub fn lambert(normal_albedo: f64) -> Self {
+        Self::empirical(normal_albedo, DiscFunction::Lambert)
+    }
+
+    /// An empirical law with the Moon's phase function: its sphere is as bright as ROLO saw the Moon, but for the albedo.
+    pub fn lunar(normal_albedo: f64, disc: DiscFunction) -> Result<Self, PhotometryError> {
+        let law = Self::empirical(1.0, disc);
+        let phase = PhaseFunction::of_the_moon(|phase_rad| law.disc_reflectance(phase_rad))?;
+        Ok(Self::Empirical { normal_albedo, disc, phase })
+    }
+
     /// Checks every parameter against the law's domain.
     pub fn check(&self) -> Result<(), PhotometryError> {
-        let outside = |parameter, got, allowed| PhotometryError::OutOfRange { parameter, got, allowed };
-        match *self {
-            Self::Hapke(hapke) => hapke.check(),
+        let within = |parameter, got, range: std::ops::RangeInclusive<f64>, allowed| {
+            if range.contains(&got) { Ok(()) } else { Err(PhotometryError::OutOfRange { parameter, got, allowed }) }
+        };
+        let (normal_albedo, disc) = match *self {
+            Self::Hapke(hapke) => return hapke.check(),
+            Self::LrocNac2019 { scale } => return within("scale", scale, 0.0..=10.0, "[0, 10]"),
+            Self::Empirical { normal_albedo, disc, .. } => (normal_albedo, disc),
+        };
+        match disc {
             // At grazing incidence this law returns four times its normal albedo.
-            Self::LommelSeeliger { normal_albedo } if !(0.0..=0.25).contains(&normal_albedo) => {
-                Err(outside("normal_albedo", normal_albedo, "[0, 0.25]"))
-            }
-            Self::Lambert { normal_albedo }
-            | Self::LunarLambert { normal_albedo }
-            | Self::Minnaert { normal_albedo, .. }
-            | Self::Akimov { normal_albedo, .. }
-                if !(0.0..=1.0).contains(&normal_albedo) =>
-            {
-                Err(outside("normal_albedo", normal_albedo, "[0, 1]"))
-            }
-            Self::Minnaert { exponent, .. } if !(0.5..=1.5).contains(&exponent) => {
-                Err(outside("exponent", exponent, "[0.5, 1.5]"))
-            }
+            DiscFunction::LommelSeeliger => within("normal_albedo", normal_albedo, 0.0..=0.25, "[0, 0.25]"),
             // So does this one: 2.7 times for a smoothness of 0.
-            Self::Akimov { normal_albedo, .. } if normal_albedo > 0.37 => {
-                Err(outside("normal_albedo", normal_albedo, "[0, 0.37]"))
+            DiscFunction::Akimov { smoothness } => within("normal_albedo", normal_albedo, 0.0..=0.37, "[0, 0.37]")
+                .and(within("smoothness", smoothness, 0.0..=2.0, "[0, 2]")),
+            DiscFunction::Minnaert { exponent } => within("normal_albedo", normal_albedo, 0.0..=1.0, "[0, 1]")
+                .and(within("exponent", exponent, 0.5..=1.5, "[0.5, 1.5]")),
+            DiscFunction::Lambert | DiscFunction::LunarLambert => {
+                within("normal_albedo", normal_albedo, 0.0..=1.0, "[0, 1]")
             }
-            Self::Akimov { smoothness, .. } if !(0.0..=2.0).contains(&smoothness) => {
-                Err(outside("smoothness", smoothness, "[0, 2]"))
-            }
-            _ => Ok(()),
         }
     }
 
@@ -149,16 +143,10 @@ impl Reflectance {
         let mu = emission_cosine.clamp(LEAST_COSINE, 1.0);
         let phase_cosine = phase_cosine.clamp(-1.0, 1.0);
         match *self {
-            Self::Lambert { normal_albedo } => normal_albedo / PI,
-            Self::LommelSeeliger { normal_albedo } => normal_albedo / PI * 2.0 / (mu0 + mu),
-            Self::LunarLambert { normal_albedo } => {
-                let weight = lunar_lambert_weight(phase_cosine.acos().to_degrees());
-                normal_albedo / PI * (2.0 * weight / (mu0 + mu) + 1.0 - weight)
+            Self::Empirical { normal_albedo, disc, phase } => {
+                normal_albedo / PI * phase.value(phase_cosine.acos()) * disc.over_incidence(mu0, mu, phase_cosine)
             }
-            Self::Minnaert { normal_albedo, exponent } => normal_albedo / PI * (mu0 * mu).powf(exponent - 1.0),
-            Self::Akimov { normal_albedo, smoothness } => {
-                normal_albedo / PI * akimov(smoothness, mu0, mu, phase_cosine)
-            }
+            Self::LrocNac2019 { scale } => scale / PI * lroc_nac_2019(mu0, mu, phase_cosine.acos().to_degrees()),
             Self::Hapke(hapke) => hapke.brdf_sr(mu0, mu, phase_cosine),
         }
     }
@@ -184,12 +172,9 @@ impl Reflectance {
     /// The `override` value that picks the law in `reflectance.wgsl`.
     pub fn constant(&self) -> (&'static str, f64) {
         let model = match self {
-            Self::Lambert { .. } => 0.0,
-            Self::LommelSeeliger { .. } => 1.0,
-            Self::LunarLambert { .. } => 2.0,
-            Self::Minnaert { .. } => 3.0,
+            Self::Empirical { disc, .. } => disc.constant().0,
             Self::Hapke(_) => 4.0,
-            Self::Akimov { .. } => 5.0,
+            Self::LrocNac2019 { .. } => 6.0,
         };
         ("REFLECTANCE_MODEL", model)
     }
@@ -198,17 +183,18 @@ impl Reflectance {
     pub fn parameters(&self) -> ReflectanceParameters {
         let none = ReflectanceParameters::default();
         match *self {
-            Self::Lambert { normal_albedo }
-            | Self::LommelSeeliger { normal_albedo }
-            | Self::LunarLambert { normal_albedo } => {
-                ReflectanceParameters { normal_albedo: normal_albedo as f32, ..none }
-            }
-            Self::Minnaert { normal_albedo, exponent } => {
-                ReflectanceParameters { normal_albedo: normal_albedo as f32, exponent: exponent as f32, ..none }
-            }
-            Self::Akimov { normal_albedo, smoothness } => {
-                ReflectanceParameters { normal_albedo: normal_albedo as f32, exponent: smoothness as f32, ..none }
-            }
+            Self::Empirical { normal_albedo, disc, phase } => ReflectanceParameters {
+                normal_albedo: normal_albedo as f32,
+                exponent: disc.constant().1 as f32,
+                phase_linear: phase.powers[0] as f32,
+                phase_square: phase.powers[1] as f32,
+                phase_cube: phase.powers[2] as f32,
+                phase_fourth: phase.powers[3] as f32,
+                phase_narrow_surge: phase.surges[0] as f32,
+                phase_wide_surge: phase.surges[1] as f32,
+                ..none
+            },
+            Self::LrocNac2019 { scale } => ReflectanceParameters { normal_albedo: scale as f32, ..none },
             Self::Hapke(hapke) => ReflectanceParameters {
                 normal_albedo: hapke.scale as f32,
                 single_scattering_albedo: hapke.single_scattering_albedo as f32,
@@ -230,23 +216,11 @@ impl Reflectance {
     }
 }
 
-/// Share of the Lommel–Seeliger term for the Moon; the fit turns negative beyond 104°, where 0 is taken.
-fn lunar_lambert_weight(phase_deg: f64) -> f64 {
-    (1.0 + phase_deg * (-0.019 + phase_deg * (0.242e-3 - 1.46e-6 * phase_deg))).max(0.0)
-}
-
-/// Akimov's disc function over the cosine of incidence; 1/μ0 in opposition.
-fn akimov(smoothness: f64, mu0: f64, mu: f64, phase_cosine: f64) -> f64 {
-    let phase_rad = phase_cosine.acos().min(PI - LEAST_SUPPLEMENT_RAD);
-    let (half_sine, half_cosine) = (0.5 * phase_rad).sin_cos();
-    let along = ((mu0 + mu) / (2.0 * half_cosine)).min(1.0);
-    // In opposition the longitude has no influence, and no value.
-    let reach = (1.0 - along * along).sqrt();
-    let across = ((mu0 - mu) / (2.0 * half_sine).max(1e-12)).clamp(-reach, reach);
-    let supplement_rad = PI - phase_rad;
-    let towards_terminator = (PI / supplement_rad * across.atan2(along)).cos().max(0.0);
-    let latitude_cosine = along.hypot(across);
-    half_cosine * towards_terminator * latitude_cosine.powf(1.0 + smoothness * phase_rad / supplement_rad) / (mu0 * mu)
+/// LROC's reflectance over the cosine of incidence.
+fn lroc_nac_2019(mu0: f64, mu: f64, phase_deg: f64) -> f64 {
+    let phase = phase_deg * (0.012964707 - 8.3528e-5 * phase_deg) - 0.237774774 * phase_deg.sqrt();
+    let angles = 0.556075496 * mu + mu0 * (0.663671460 - 0.439918609 * mu0);
+    (-1.479654495 + phase + angles).exp() / (mu0 + mu)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 // Radiance of the ground per irradiance of the ground. Twin of reflectance.rs and hapke.rs, whose documents have
 // the equations.
 
-// 0 Lambert, 1 Lommel-Seeliger, 2 lunar-Lambert, 3 Minnaert, 4 Hapke, 5 Akimov.
+// 0 Lambert, 1 Lommel-Seeliger, 2 lunar-Lambert, 3 Minnaert, 4 Hapke, 5 Akimov, 6 LROC 2019.
 override REFLECTANCE_MODEL: u32;
 
 struct ReflectanceParameters {
-    // For Hapke's law what multiplies it.
+    // For Hapke's law and LROC's what multiplies it.
     normal_albedo: f32,
     // Minnaert's k, or Akimov's eta.
     exponent: f32,
@@ -20,39 +20,76 @@ struct ReflectanceParameters {
     porosity_factor: f32,
     // The year of the function H: 1981 or 2002.
     multiple_scattering: f32,
+    // Of the powers of the phase angle and of the two surges in ln f.
+    phase_linear: f32,
+    phase_square: f32,
+    phase_cube: f32,
+    phase_fourth: f32,
+    phase_narrow_surge: f32,
+    phase_wide_surge: f32,
 }
 
 const PI = 3.14159265358979;
 const LEAST_COSINE = 1e-6;
 const LEAST_SUPPLEMENT_RAD = 1e-3;
+// Widths of the two surges of the phase function, and the phase angle beyond which it stays what it is.
+const NARROW_SURGE_RAD = 0.070869792;
+const WIDE_SURGE_RAD = 0.2248019;
+const LAST_PHASE_RAD = 2.26892803;
 
 // From the cosines of incidence, emission and phase angle.
 fn brdf_sr(p: ReflectanceParameters, incidence_cosine: f32, emission_cosine: f32, phase_cosine: f32) -> f32 {
     let mu0 = clamp(incidence_cosine, LEAST_COSINE, 1.0);
     let mu = clamp(emission_cosine, LEAST_COSINE, 1.0);
     let phase = clamp(phase_cosine, -1.0, 1.0);
-    let lambert = p.normal_albedo / PI;
     switch REFLECTANCE_MODEL {
-        case 1u: {
-            return lambert * 2.0 / (mu0 + mu);
-        }
-        case 2u: {
-            let weight = lunar_lambert_weight(degrees(arc_cosine(phase)));
-            return lambert * (2.0 * weight / (mu0 + mu) + 1.0 - weight);
-        }
-        case 3u: {
-            return lambert * pow(mu0 * mu, p.exponent - 1.0);
-        }
         case 4u: {
             return hapke_sr(p, mu0, mu, phase);
         }
-        case 5u: {
-            return lambert * akimov(p.exponent, mu0, mu, phase);
+        case 6u: {
+            return p.normal_albedo / PI * lroc_nac_2019(mu0, mu, degrees(arc_cosine(phase)));
         }
         default: {
-            return lambert;
+            return p.normal_albedo / PI * phase_function(p, arc_cosine(phase)) * disc_function(p, mu0, mu, phase);
         }
     }
+}
+
+// Share of the light at opposition that is left at a phase angle.
+fn phase_function(p: ReflectanceParameters, phase_rad: f32) -> f32 {
+    let g = min(phase_rad, LAST_PHASE_RAD);
+    let powers = g * (p.phase_linear + g * (p.phase_square + g * (p.phase_cube + g * p.phase_fourth)));
+    return exp(powers + p.phase_narrow_surge * (exp(-g / NARROW_SURGE_RAD) - 1.0)
+        + p.phase_wide_surge * (exp(-g / WIDE_SURGE_RAD) - 1.0));
+}
+
+// Over the cosine of incidence.
+fn disc_function(p: ReflectanceParameters, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
+    switch REFLECTANCE_MODEL {
+        case 1u: {
+            return 2.0 / (mu0 + mu);
+        }
+        case 2u: {
+            let weight = lunar_lambert_weight(degrees(arc_cosine(phase_cosine)));
+            return 2.0 * weight / (mu0 + mu) + 1.0 - weight;
+        }
+        case 3u: {
+            return pow(mu0 * mu, p.exponent - 1.0);
+        }
+        case 5u: {
+            return akimov(p.exponent, mu0, mu, phase_cosine);
+        }
+        default: {
+            return 1.0;
+        }
+    }
+}
+
+// Over the cosine of incidence.
+fn lroc_nac_2019(mu0: f32, mu: f32, phase_deg: f32) -> f32 {
+    let phase = phase_deg * (0.012964707 - 8.3528e-5 * phase_deg) - 0.237774774 * sqrt(phase_deg);
+    let angles = 0.556075496 * mu + mu0 * (0.663671460 - 0.439918609 * mu0);
+    return exp(-1.479654495 + phase + angles) / (mu0 + mu);
 }
 
 // The disc function over the cosine of incidence. Photometric latitude and longitude, counted from the middle between

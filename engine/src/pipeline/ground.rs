@@ -19,9 +19,9 @@ use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Crater, Detail, Parameters};
 use crate::terrain::{Face, Gnomonic, Level, NestedDem, Surface, Terrain, build_cube, build_face};
 
-/// How far beyond its edges a cube's face casts shadows, on the map: for the Moon 137 km of ground. Terrain further off shows
-/// only where it stands 5.5 km and more above all that lies between; it is left out.
-const CUBE_MARGIN_M: f64 = 300_000.0;
+/// How far beyond its edges a cube's face looks for terrain, on the map, of the distance from which the highest height is
+/// seen from the lowest over a smooth sphere. A map's metre at the edge is half a metre of ground.
+const CUBE_MARGIN: f64 = 1.25;
 
 /// The surface, where it comes from, and what resampling did to it.
 #[derive(Debug)]
@@ -101,7 +101,8 @@ fn faces(
 ) -> Result<(Vec<Face>, Vec<crate::terrain::ResamplingError>), Error> {
     if let [scenario::Dem::Cube { posting_m, .. }] = written {
         let posting_m = posting_m.unwrap_or_else(|| own_posting_m(&dems[0]));
-        let (faces, error) = build_cube(body, centre, &dems[0], posting_m, CUBE_MARGIN_M, MAX_NODES_PER_SIDE)?;
+        let margin_m = cube_margin_m(body, &dems[0]);
+        let (faces, error) = build_cube(body, centre, &dems[0], posting_m, margin_m, MAX_NODES_PER_SIDE)?;
         return Ok((faces, vec![error]));
     }
     let nested: Vec<NestedDem> = written
@@ -114,6 +115,14 @@ fn faces(
         .collect();
     let (face, errors) = build_face(body, centre, &nested, MAX_NODES_PER_SIDE)?;
     Ok((vec![face], errors))
+}
+
+/// From the relief, and at most a radius.
+fn cube_margin_m(body: &Body, dem: &Dem) -> f64 {
+    let known = dem.heights_m.iter().map(|height_m| f64::from(*height_m)).filter(|height_m| height_m.is_finite());
+    let [low, high] = known.fold([0.0f64; 2], |[low, high], height_m| [low.min(height_m), high.max(height_m)]);
+    let radius_m = body.equatorial_radius_m;
+    (CUBE_MARGIN * (2.0 * radius_m * (high - low)).sqrt()).min(radius_m)
 }
 
 fn own_posting_m(dem: &Dem) -> f64 {

@@ -11,8 +11,9 @@
 //! - All of a scene sees the eclipse that the terrain's centre sees: the Moon's penumbra is 3600 km wide, so that `V` varies by
 //!   up to 0.04 % a kilometre.
 //! - An eclipsed Sun is dimmer, not smaller: its light keeps coming from the whole disc.
-//! - The Earth is a Lambert sphere. At full Earth that is 0.16 W/m² for p = 0.434; what is measured there, half of it thermal,
-//!   is 0.15 W/m² and changes by 30 % as the Earth turns (Glenar et al. 2019).
+//! - The Earth is a Lambert sphere, whose Bond albedo is 3p/2: with that of CERES, 0.29, p is 0.196, and the ground gets
+//!   0.073 W/m² at full Earth. What is measured there is 0.15 W/m², half of it thermal, and changes by 30 % as the Earth
+//!   turns (Glenar et al. 2019).
 
 use hifitime::Epoch;
 

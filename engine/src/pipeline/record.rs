@@ -9,7 +9,7 @@ use crate::dataset::{
 };
 use crate::ephemeris::{horizontal, utc_text};
 use crate::labels;
-use crate::photometry::{Hapke, MultipleScattering, Reflectance};
+use crate::photometry::{Hapke, MultipleScattering, PhaseFunction, Reflectance};
 use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
@@ -79,20 +79,12 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<s
 
 /// A reflectance law with its parameters, as manifests have it.
 fn photometry(law: &Reflectance) -> String {
-    let with = |name: &str, parameters: &[(&str, f64)]| {
-        let parameters: Vec<String> = parameters.iter().map(|(name, value)| format!("{name}: {value:?}")).collect();
-        format!("{name} {{ {} }}", parameters.join(", "))
-    };
     match *law {
-        Reflectance::Lambert { normal_albedo } => with("Lambert", &[("normal_albedo", normal_albedo)]),
-        Reflectance::LommelSeeliger { normal_albedo } => with("LommelSeeliger", &[("normal_albedo", normal_albedo)]),
-        Reflectance::LunarLambert { normal_albedo } => with("LunarLambert", &[("normal_albedo", normal_albedo)]),
-        Reflectance::Minnaert { normal_albedo, exponent } => {
-            with("Minnaert", &[("normal_albedo", normal_albedo), ("exponent", exponent)])
+        Reflectance::Empirical { normal_albedo, disc, phase } => {
+            let of = if phase == PhaseFunction::CONSTANT { "Constant" } else { "Moon" };
+            format!("{disc:?}, normal_albedo: {normal_albedo:?}, phase_function: {of}")
         }
-        Reflectance::Akimov { normal_albedo, smoothness } => {
-            with("Akimov", &[("normal_albedo", normal_albedo), ("smoothness", smoothness)])
-        }
+        Reflectance::LrocNac2019 { scale } => format!("LrocNac2019 {{ scale: {scale:?} }}"),
         Reflectance::Hapke(hapke) => format!("Hapke({})", self::hapke(&hapke)),
     }
 }
@@ -268,18 +260,16 @@ fn share_above(image: &Image, quantity: Quantity, limit: f32) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::photometry::DiscFunction;
 
     #[test]
-    fn the_photometry_of_manifests_is_spelled_as_before() {
-        let laws = [
-            Reflectance::Lambert { normal_albedo: 0.2 },
-            Reflectance::LommelSeeliger { normal_albedo: 1.0 },
-            Reflectance::LunarLambert { normal_albedo: 0.12 },
-            Reflectance::Minnaert { normal_albedo: 0.1, exponent: 0.7 },
-            Reflectance::Akimov { normal_albedo: 0.1, smoothness: 1.0 },
-            Reflectance::Hapke(Hapke::moon()),
-            Reflectance::Hapke(Hapke::mars()),
-        ];
-        laws.iter().for_each(|law| assert_eq!(photometry(law), format!("{law:?}")));
+    fn the_photometry_of_manifests_names_law_albedo_and_phase_function() {
+        let minnaert = DiscFunction::Minnaert { exponent: 0.7 };
+        let text = "Minnaert { exponent: 0.7 }, normal_albedo: 0.1, phase_function: ";
+        assert_eq!(photometry(&Reflectance::empirical(0.1, minnaert)), format!("{text}Constant"));
+        assert_eq!(photometry(&Reflectance::lunar(0.1, minnaert).unwrap()), format!("{text}Moon"));
+        for hapke in [Reflectance::Hapke(Hapke::moon()), Reflectance::Hapke(Hapke::mars())] {
+            assert_eq!(photometry(&hapke), format!("{hapke:?}"));
+        }
     }
 }

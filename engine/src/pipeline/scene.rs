@@ -5,9 +5,10 @@ use std::path::Path;
 use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Pose, Psf};
 use crate::horizon::{self, HorizonMap};
-use crate::photometry::{Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
+use crate::photometry::{DiscFunction, Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
 use crate::raster::Picture;
 use crate::render::{self, AlbedoRole, Imaging, Light, Timing, View};
+use crate::scenario::spec::PhaseFunction;
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::multiscale::Multiscale;
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
@@ -166,9 +167,9 @@ pub fn disk_name(scenario: &Scenario) -> String {
 const SCALED_ALBEDO: f64 = 0.1;
 
 /// What a value of the albedo map multiplies the reflectance by: it is the normal albedo of an empirical law, and
-/// a factor on Hapke's.
+/// a factor on those of Hapke and LROC.
 pub fn albedo_scale(scenario: &Scenario) -> f64 {
-    if scenario.photometry.is_hapke() { 1.0 } else { 1.0 / SCALED_ALBEDO }
+    if scenario.photometry.is_absolute() { 1.0 } else { 1.0 / SCALED_ALBEDO }
 }
 
 pub fn albedo_role(scenario: &Scenario) -> AlbedoRole {
@@ -183,16 +184,26 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
         Albedo::Constant(albedo) => *albedo,
         Albedo::Map(_) | Albedo::SingleScattering(_) => SCALED_ALBEDO,
     };
+    let empirical = |disc| match scenario.phase_function {
+        PhaseFunction::Moon => Reflectance::lunar(normal_albedo, disc),
+        PhaseFunction::Constant => Ok(Reflectance::empirical(normal_albedo, disc)),
+    };
+    let scale = match &scenario.albedo {
+        Albedo::Constant(scale) => *scale,
+        Albedo::Map(_) | Albedo::SingleScattering(_) => 1.0,
+    };
+    let hapke = |set: Hapke| Reflectance::Hapke(Hapke { scale, ..set });
     let reflectance = match scenario.photometry {
-        Photometry::Lambert => Reflectance::Lambert { normal_albedo },
-        Photometry::LommelSeeliger => Reflectance::LommelSeeliger { normal_albedo },
-        Photometry::LunarLambert => Reflectance::LunarLambert { normal_albedo },
-        Photometry::Minnaert { k } => Reflectance::Minnaert { normal_albedo, exponent: k },
-        Photometry::Akimov { eta } => Reflectance::Akimov { normal_albedo, smoothness: eta },
-        Photometry::HapkeMoon => Reflectance::Hapke(Hapke::moon()),
-        Photometry::HapkeMars => Reflectance::Hapke(Hapke::mars()),
-        Photometry::HapkeMercury => Reflectance::Hapke(Hapke::mercury()),
-        Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad, phi } => Reflectance::Hapke(Hapke {
+        Photometry::Lambert => empirical(DiscFunction::Lambert)?,
+        Photometry::LommelSeeliger => empirical(DiscFunction::LommelSeeliger)?,
+        Photometry::LunarLambert => empirical(DiscFunction::LunarLambert)?,
+        Photometry::Minnaert { k } => empirical(DiscFunction::Minnaert { exponent: k })?,
+        Photometry::Akimov { eta } => empirical(DiscFunction::Akimov { smoothness: eta })?,
+        Photometry::LrocNac2019 => Reflectance::LrocNac2019 { scale },
+        Photometry::HapkeMoon => hapke(Hapke::moon()),
+        Photometry::HapkeMars => hapke(Hapke::mars()),
+        Photometry::HapkeMercury => hapke(Hapke::mercury()),
+        Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad, phi } => hapke(Hapke {
             single_scattering_albedo: w,
             asymmetry: b,
             backscatter: c,
@@ -203,12 +214,8 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
             mean_slope_rad: theta_bar_rad,
             filling_factor: phi,
             multiple_scattering: MultipleScattering::Hapke2002,
-            scale: 1.0,
+            scale,
         }),
-    };
-    let reflectance = match (reflectance, &scenario.albedo) {
-        (Reflectance::Hapke(hapke), Albedo::Constant(scale)) => Reflectance::Hapke(Hapke { scale: *scale, ..hapke }),
-        (other, _) => other,
     };
     reflectance.check()?;
     Ok(reflectance)

@@ -132,18 +132,15 @@ pub struct Light {
     pub irradiance_w_m2: f64,
 }
 
-/// Normal albedo of a view's ground where none is given: about the Moon's.
-const DEFAULT_ALBEDO: f64 = 0.12;
-
 impl View {
-    /// Radiance of lunar-Lambert ground of normal albedo 0.12, seen by one ray through each pixel's centre.
+    /// Radiance of the Moon's ground in Hapke's model, seen by one ray through each pixel's centre.
     pub fn new(pose: Pose, optics: Optics, lights: Vec<Light>) -> Self {
         Self {
             exposure: 0,
             camera_position: pose.position,
             camera_from_body: pose.camera_from_body,
             lights,
-            reflectance: Reflectance::LunarLambert { normal_albedo: DEFAULT_ALBEDO },
+            reflectance: Reflectance::Hapke(Hapke::moon()),
             optics,
             samples_per_side: 1,
             band_width_nm: None,

@@ -11,6 +11,9 @@ use crate::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
 const BAND_NM: [f64; 2] = [100.0, 20_000.0];
 
+/// Where the limb is taken from for a camera without a band: the middle of the visible.
+const BANDLESS_NM: f64 = 550.0;
+
 /// What a Sun of given irradiance is called in records.
 const GIVEN: &str = "as given";
 
@@ -26,7 +29,7 @@ pub fn light(spec: &Spec, has_terrain: bool, check: &mut Check) -> (Sun, Option<
     let (spectrum, table) = spectrum(spec, has_band, check);
     let (irradiance_w_m2, name, band) = through(spec, spectrum, response, check);
     let sun = Sun {
-        limb_darkening: limb_darkening(&spec.sun.disc, has_band, band.as_ref(), check),
+        limb_darkening: limb_darkening(&spec.sun.disc, band.as_ref()),
         spectrum: name,
         table,
         irradiance_w_m2,
@@ -109,16 +112,10 @@ fn through(
     }
 }
 
-fn limb_darkening(
-    disc: &spec::Disc,
-    has_band: bool,
-    band: Option<&Passband>,
-    check: &mut Check,
-) -> Option<LimbDarkened> {
+fn limb_darkening(disc: &spec::Disc, band: Option<&Passband>) -> Option<LimbDarkened> {
     let spec::Disc::LimbDarkened { wavelength_nm, law } = *disc else { return None };
-    let wavelength_nm = wavelength_nm.or(band.map(|band| band.wavelength_nm));
-    check.needs(wavelength_nm.is_some() || has_band, "sun.disc", "needs wavelength_nm, or a camera with a band");
-    wavelength_nm.map(|wavelength_nm| LimbDarkened { law, wavelength_m: wavelength_nm * 1e-9 })
+    let wavelength_nm = wavelength_nm.or(band.map(|band| band.wavelength_nm)).unwrap_or(BANDLESS_NM);
+    Some(LimbDarkened { law, wavelength_m: wavelength_nm * 1e-9 })
 }
 
 /// A curve from a file.

@@ -46,6 +46,8 @@ pub struct Scenario {
     pub refine: bool,
     pub view_rays: ViewRays,
     pub photometry: Photometry,
+    /// Of the empirical laws; the others have their own.
+    pub phase_function: spec::PhaseFunction,
     pub albedo: Albedo,
     pub sun: Sun,
     /// `None`: all wavelengths.
@@ -150,6 +152,7 @@ pub enum Photometry {
     LunarLambert,
     Minnaert { k: f64 },
     Akimov { eta: f64 },
+    LrocNac2019,
     HapkeMoon,
     HapkeMars,
     HapkeMercury,
@@ -157,7 +160,11 @@ pub enum Photometry {
 }
 
 impl Photometry {
-    /// Whether its reflectance is its own, so that an albedo multiplies it.
+    /// Whether its reflectance is its own, so that an albedo multiplies it and a phase function would be a second one.
+    pub fn is_absolute(&self) -> bool {
+        self.is_hapke() || matches!(self, Self::LrocNac2019)
+    }
+
     pub fn is_hapke(&self) -> bool {
         matches!(self, Self::HapkeMoon | Self::HapkeMars | Self::HapkeMercury | Self::Hapke { .. })
     }
@@ -347,6 +354,7 @@ impl From<&spec::Photometry> for Photometry {
             spec::Photometry::LunarLambert => Self::LunarLambert,
             spec::Photometry::Minnaert { k } => Self::Minnaert { k },
             spec::Photometry::Akimov { eta } => Self::Akimov { eta },
+            spec::Photometry::LrocNac2019 => Self::LrocNac2019,
             spec::Photometry::HapkeMoon => Self::HapkeMoon,
             spec::Photometry::HapkeMars => Self::HapkeMars,
             spec::Photometry::HapkeMercury => Self::HapkeMercury,

@@ -8,8 +8,10 @@ use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::shadow::method::Flaw;
 
-/// Normal albedo of a mean lunar surface (WAC, 643 nm: 0.12; Sato et al. 2014, doi:10.1002/2013JE004580).
-const LUNAR_ALBEDO: f64 = 0.12;
+/// Normal albedo of the mean lunar surface at 665 nm: ROLO's disc in opposition (Kieffer & Stone 2005).
+const LUNAR_ALBEDO: f64 = 0.19;
+/// Normal albedo where nothing makes up for the missing fall of light with the phase angle: ROLO's disc at 10°.
+const ALBEDO_WITHOUT_PHASE: f64 = 0.12;
 
 pub fn body(written: &spec::Body) -> Body {
     match written {
@@ -191,10 +193,25 @@ pub fn shadows(written: &spec::Shadows, encoding: Encoding, check: &mut Check) -
     written.current()
 }
 
-pub fn albedo(written: &spec::Surface, check: &mut Check) -> Albedo {
-    let is_hapke = Photometry::from(&written.photometry).is_hapke();
+/// The phase function that is written, or that the body and the reflectance model imply.
+pub fn phase_function(spec: &Spec, check: &mut Check) -> spec::PhaseFunction {
+    let photometry = Photometry::from(&spec.surface.photometry);
+    let has_own = photometry.is_absolute() && spec.surface.phase_function.is_some();
+    check.needs(!has_own, "surface.phase_function", "needs a model without a phase function of its own");
+    let lunar = spec.body == spec::Body::Moon && photometry != Photometry::Lambert;
+    let implied = if lunar { spec::PhaseFunction::Moon } else { spec::PhaseFunction::Constant };
+    spec.surface.phase_function.unwrap_or(implied)
+}
+
+pub fn albedo(written: &spec::Surface, phase_function: spec::PhaseFunction, check: &mut Check) -> Albedo {
+    let photometry = Photometry::from(&written.photometry);
+    let is_hapke = photometry.is_hapke();
     match &written.albedo {
-        None => Albedo::Constant(if is_hapke { 1.0 } else { LUNAR_ALBEDO }),
+        None if photometry.is_absolute() => Albedo::Constant(1.0),
+        None => Albedo::Constant(match phase_function {
+            spec::PhaseFunction::Moon => LUNAR_ALBEDO,
+            spec::PhaseFunction::Constant => ALBEDO_WITHOUT_PHASE,
+        }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
         Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
         Some(spec::Albedo::SingleScattering { path }) => {

@@ -55,6 +55,9 @@ pub struct Args {
     /// What counts as lit: `any` part of the disc, its `centre`, or a share of its light, as 0.5
     #[arg(long, default_value = "any", value_parser = lit)]
     lit: Lit,
+    /// Leave out that the Earth hides the Sun in lunar eclipses
+    #[arg(long)]
+    no_eclipses: bool,
     /// A circle LAT,LON,RADIUS_M, a polygon 'LAT,LON;LAT,LON;LAT,LON' of great circles, or a file of them (GeoJSON, or
     /// CSV with a corner a line); may be given several times
     #[arg(long, value_name = "AREA", value_parser = area::areas, allow_hyphen_values = true)]
@@ -125,6 +128,9 @@ Examples:
 
 /// The visible light that limb darkening is taken for.
 const WAVELENGTH_NM: f64 = 550.0;
+
+/// SPICE id of the only body that the Earth's shadow reaches.
+const MOON: i32 = 301;
 
 /// More steps are a slip of the pen: 100 years at hourly steps have fewer.
 const STEPS_AT_MOST: f64 = 1e6;
@@ -335,7 +341,9 @@ fn track(
         .into());
     }
     let point = frame.body.position_from_geodetic(ground.centre);
-    Ok(Track::new(almanac, frame, point, start, args.step, steps as usize)?)
+    let track = Track::new(almanac, frame, point, start, args.step, steps as usize)?;
+    let eclipses = !args.no_eclipses && frame.body.naif_id == MOON;
+    Ok(if eclipses { track.with_eclipses(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?) } else { track })
 }
 
 fn notes(
@@ -364,6 +372,10 @@ fn notes(
     vec![
         format!("{} steps of {}, the first at {}.", track.steps(), args.step, utc_text(track.start)),
         format!("Lit: {lit}, {} m above the ground.", args.observer_height),
+        match (args.no_eclipses, track.sunlight.iter().filter(|sunlight| **sunlight < 1.0).count()) {
+            (true, _) => "Lunar eclipses are left out.".into(),
+            (false, steps) => format!("The Earth hides a part of the Sun or all of it at {steps} steps."),
+        },
         skylines,
         "Each height stands for a square of the posting: what is smaller shades nothing.".into(),
         format!("{:.0} million node-steps in {seconds:.1} s.", samples / 1e6),

@@ -40,15 +40,14 @@ pub enum Spectrum {
 }
 
 /// Brightness across the solar disc.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Disc {
-    /// The same everywhere.
-    #[default]
+    /// The same everywhere: no measured Sun, but 1/3 to 2/3 more light in the depth of the penumbra.
     Uniform,
-    /// Darker towards the limb, as measured at a wavelength.
+    /// Darker towards the limb, as measured at a wavelength. The default.
     LimbDarkened {
-        /// The wavelength. Default: the mean wavelength of sunlight in the camera's band.
+        /// The wavelength. Default: the mean wavelength of sunlight in the camera's band, 550 nm without a band.
         #[serde(default)]
         #[schemars(range(min = 300.0, max = 5000.0))]
         wavelength_nm: Option<f64>,
@@ -56,6 +55,12 @@ pub enum Disc {
         #[serde(default)]
         law: LimbLaw,
     },
+}
+
+impl Default for Disc {
+    fn default() -> Self {
+        Self::LimbDarkened { wavelength_nm: None, law: LimbLaw::default() }
+    }
 }
 
 /// A law of limb darkening.
@@ -88,15 +93,17 @@ pub struct FixedSun {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Earthshine {
-    /// Geometric albedo of the Earth.
+    /// Geometric albedo of the Earth as a Lambert sphere: two thirds of its Bond albedo.
     #[serde(default = "earth_albedo")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
 }
 
-/// Geometric albedo of the Earth in the visible: 0.434 (Mallama et al. 2017, doi:10.1016/j.icarus.2016.09.023).
+/// Two thirds of the Bond albedo of 0.29 that CERES measured (Stephens et al. 2015, doi:10.1002/2014RG000449): what the Earth
+/// sends back in all directions together is then what it does send back. The geometric albedo of 0.434 (Mallama et al. 2017)
+/// goes with a phase curve that is narrower than Lambert's.
 fn earth_albedo() -> f64 {
-    0.434
+    0.196
 }
 
 /// Light from all of the sky, of the same radiance everywhere: scattered light, starlight, haze.

@@ -21,7 +21,7 @@ pub use camera::{
 pub use light::{Ambient, Bounce, Disc, Earthshine, FixedSun, LimbLaw, Sky, Spectrum, Sun};
 pub use output::{CraterList, Detector, Hazards, Landmarks, Outputs, Preview};
 pub use shadows::Shadows;
-pub use surface::{Albedo, Photometry, Surface};
+pub use surface::{Albedo, PhaseFunction, Photometry, Surface};
 pub use sweep::{Axis, Design, Split, Sweep};
 pub use view::{Exposures, HeightAbove, Pointing, Pose, Top, Towards, Trajectory, Waypoint};
 pub use world::{Body, Centre, DEFAULT_AZIMUTHS, Dem, Horizon, Terrain};

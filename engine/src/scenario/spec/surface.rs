@@ -10,7 +10,12 @@ pub struct Surface {
     /// The reflectance model.
     #[serde(default)]
     pub photometry: Photometry,
-    /// Brightness of the ground. Default: 0.12, and 1 for the Hapke models, whose reflectance it multiplies.
+    /// How light falls with the phase angle, where the reflectance model does not say so itself. Default: as on the Moon for
+    /// the Moon and every model but `Lambert`, and not at all elsewhere.
+    #[serde(default)]
+    pub phase_function: Option<PhaseFunction>,
+    /// Brightness of the ground. Default: 0.19 with the Moon's phase function, 0.12 without one, and 1 for the models whose
+    /// reflectance it multiplies, those of Hapke and LROC.
     #[serde(default)]
     pub albedo: Option<Albedo>,
 }
@@ -19,11 +24,11 @@ pub struct Surface {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Photometry {
-    /// Equal radiance in all directions.
+    /// Equal radiance in all directions. Without a phase function, unless one is asked for.
     Lambert,
     /// Single scattering of a dark, half-infinite medium.
     LommelSeeliger,
-    /// McEwen's mixture of the two with the Moon's phase function.
+    /// McEwen's mixture of the two, weighted by the phase angle as fits the Moon.
     #[default]
     LunarLambert,
     /// Radiance falls with the incidence as a power of its cosine. Not beyond 80° of emission, where it diverges.
@@ -39,6 +44,8 @@ pub enum Photometry {
         #[schemars(range(min = 0.0, max = 2.0))]
         eta: f64,
     },
+    /// The Moon as LROC's narrow-angle cameras saw it, fitted in 2019 to phase angles of 15 to 65° (USGS ISIS, `lronacpho`).
+    LrocNac2019,
     /// Hapke's model with the parameters of the Moon at 566 nm (Sato et al. 2014).
     HapkeMoon,
     /// Hapke's model with parameters of Mars in red light (Kirk & Johnson, in USGS ISIS).
@@ -81,6 +88,17 @@ pub enum Photometry {
         #[schemars(range(min = 0.0, max = 0.75))]
         phi: f64,
     },
+}
+
+/// How light falls with the phase angle, beyond what the reflectance model says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum PhaseFunction {
+    /// So that a sphere is as bright as ROLO saw the Moon at 665 nm (Kieffer & Stone 2005), up to 97°, and as that goes on up
+    /// to 130°.
+    Moon,
+    /// Not at all: a model without a phase function is 1.3 to 2.2 times as bright as the Moon at 30 to 90°.
+    Constant,
 }
 
 /// Without an amplitude the width has no effect; it only has to keep the surge finite.
