@@ -119,7 +119,7 @@ fn comparable(scenario: &Scenario, options: &Options) -> Result<Scenario, Error>
     if options.exposure > last {
         return Err(Error::Range { key: "exposure", got: options.exposure, allowed: [0, last] });
     }
-    Ok(Scenario { shadows: scenario::Shadows::default(), ..reduced(scenario, options.pixels) })
+    Ok(Scenario { shadows: scenario::Shadows::HorizonMaps(Default::default()), ..reduced(scenario, options.pixels) })
 }
 
 /// Renders an exposure with every method and compares.

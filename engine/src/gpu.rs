@@ -71,13 +71,20 @@ struct Timer {
 impl Gpu {
     /// Opens a device with all the limits of its adapter.
     pub fn open(choice: Adapter) -> Result<Self, GpuError> {
+        Self::open_within(choice, u64::MAX)
+    }
+
+    /// The same with bindings of at most `binding_bytes`: an adapter that allows less, for those who have none.
+    pub fn open_within(choice: Adapter, binding_bytes: u64) -> Result<Self, GpuError> {
         let adapter = request_adapter(choice)?;
+        let limits = adapter.limits();
+        let binding_bytes = limits.max_storage_buffer_binding_size.min(binding_bytes);
         let info = adapter.get_info();
         let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_FILTERABLE;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("perilune"),
             required_features: adapter.features() & wanted,
-            required_limits: adapter.limits(),
+            required_limits: wgpu::Limits { max_storage_buffer_binding_size: binding_bytes, ..limits },
             ..Default::default()
         }))
         .map_err(|source| GpuError::NoDevice { adapter: info.name.clone(), source })?;

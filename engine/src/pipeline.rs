@@ -14,6 +14,7 @@ mod camera_record;
 pub mod capture;
 mod check;
 mod craters;
+pub mod device;
 pub(crate) mod error;
 pub mod globe;
 pub mod ground;
@@ -35,10 +36,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use check::{Checked, check};
+pub use device::AdapterChoice;
 pub use error::Error;
 pub use motion::Exposure;
 pub use progress::{Progress, Silent};
-pub use run::{AdapterChoice, Options, Report, Seconds, Stages, run};
+pub use run::{Options, Report, Seconds, Stages, run};
 
 use crate::dataset;
 use crate::ephemeris::{Almanac, BodyFrame, KernelSource, default_kernels};

@@ -4,7 +4,9 @@ use super::run::{Run, SMALL};
 
 /// The small scenario, its first image alone, with other shadows and more keys.
 fn with(keys: &str) -> Run {
-    Run::of(&SMALL.replace("    horizon:", &format!("    {keys},\n    horizon:")))
+    let named =
+        if keys.contains("shadows:") { SMALL.replace("    shadows: HorizonMaps(),\n", "") } else { SMALL.into() };
+    Run::of(&named.replace("    horizon:", &format!("    {keys},\n    horizon:")))
 }
 
 /// What `sim check` prints, with the terrain that a run has made.

@@ -15,6 +15,7 @@ pub const SMALL: &str = r#"(
     terrain: (dems: [
         Synthetic(columns: 128, rows: 128, posting_m: 20, latitude_deg: -89, longitude_deg: 0, seed: 1),
     ]),
+    shadows: HorizonMaps(),
     horizon: Settings(azimuths: 64),
     trajectory: Waypoints(height_above: Terrain, points: [
         (t_s: 0, latitude_deg: -88.99, longitude_deg: 0, height_m: 1500),

@@ -3,7 +3,7 @@
 use super::run::{Run, SMALL};
 
 fn with_shadows(shadows: &str) -> Run {
-    Run::of(&SMALL.replace("horizon:", &format!("shadows: {shadows},\n    horizon:")))
+    Run::of(&SMALL.replace("shadows: HorizonMaps()", &format!("shadows: {shadows}")))
 }
 
 #[test]
@@ -37,6 +37,17 @@ fn auto_says_what_it_chose_and_why() {
         assert_eq!(settings["shadows"], recorded);
         let why = settings["shadows_chosen"].as_str().unwrap();
         assert!(why.starts_with(&format!("shadows: {recorded}")) && said.contains(why), "{why}");
+    }
+}
+
+/// `Auto` is what a scenario gets that names none; `refine` needs the errors of maps.
+#[test]
+fn shadows_that_are_not_named_are_chosen() {
+    for (keys, recorded) in [("", "TowardsSun(by: Swath())"), ("refine: true,", "HorizonMaps()")] {
+        let run = Run::of(&SMALL.replace("shadows: HorizonMaps(),", keys));
+        run.succeed(&["--frames", "0..1"]);
+        let manifest: serde_json::Value = serde_json::from_slice(&run.files()["manifest.json"]).unwrap();
+        assert_eq!(manifest["run"]["settings"]["shadows"], recorded, "{keys}");
     }
 }
 

@@ -3,6 +3,7 @@
 //! A [`Comparison`] calls one WGSL function on many inputs and holds what it returns against `f64`. Without an
 //! adapter these tests are skipped with the reason; `SIM_REQUIRE` with `gpu` in it turns that into a failure.
 
+mod adapters;
 mod directional;
 mod horizon;
 mod layout;

@@ -3,10 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use perilune_engine::geometry::Position;
+use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::horizon::{Encoding, HorizonMap, Memory, Settings};
 use perilune_engine::pipeline::{self, Silent, ground};
 use perilune_engine::render::reference;
-use perilune_engine::render::{Renderer, Samples, Scene, View};
+use perilune_engine::render::{Light, Renderer, Samples, Scene, View};
+use perilune_engine::shadow::field_pages::FieldPages;
 use perilune_engine::shadow::horizon_maps::HorizonMaps;
 use perilune_engine::shadow::skylines::Field;
 use perilune_engine::shadow::{QuantizedLight, ShadowMethod, SkylineSource, Skylines, UnpreparedLight, registry};
@@ -184,4 +187,35 @@ fn skylines_baked_on_the_device_are_read_back_where_they_belong() {
             }
         }
     }
+}
+
+/// An adapter whose bindings hold less than the fields towards two lights, and just the ground: the fields go over several
+/// pages, made there or sent, and the image is that of an adapter which holds them in one.
+#[test]
+fn fields_that_no_binding_holds_go_over_several_pages() {
+    let Some(gpu) = super::gpu() else { return };
+    let (mut scene, mut view, maps) = nested(Encoding::Fm4);
+    let sun = view.lights[0].clone();
+    let turned = Position::from_m(glam::DQuat::from_rotation_z(0.3) * sun.position.vector_m());
+    view.lights.push(Light { position: turned, ..sun });
+    let nodes = scene.surface.terrain.seen_nodes();
+    // Maxima of heights in mips take 16/3 bytes a node, fields 16.
+    let binding = (nodes as u64 * 16 / 3).next_power_of_two();
+    assert!(binding < 16 * nodes as u64 && FieldPages::new(gpu, &scene.surface.terrain, 2).is_ok());
+    let small = Gpu::open_within(Adapter::Auto, binding).unwrap();
+    let pages = FieldPages::new(&small, &scene.surface.terrain, 2).unwrap();
+    assert!(pages.filled().iter().filter(|nodes| **nodes > 0).count() > 1, "{pages:?}");
+    let baked: Arc<dyn ShadowMethod> = Arc::new(HorizonMaps::at_nodes(maps));
+    for method in [baked.clone(), Arc::new(Sent(baked))] {
+        scene = scene.with_shadows(method);
+        let [one, several] = [gpu, &small].map(|gpu| Renderer::on(gpu).samples(&scene, &view).unwrap());
+        let radiances = |samples: &Samples| -> Vec<u32> {
+            samples.pixels.iter().map(|pixel| pixel.radiance_w_m2_sr.to_bits()).collect()
+        };
+        assert!(one.pixels.iter().any(|pixel| pixel.sun_fraction > 0.5));
+        assert_eq!(radiances(&one), radiances(&several));
+    }
+    // What goes into no four pages is known beforehand.
+    let error = FieldPages::new(&small, &scene.surface.terrain, 12).unwrap_err().to_string();
+    assert!(error.starts_with("skylines take") && error.contains("the adapter allows"), "{error}");
 }

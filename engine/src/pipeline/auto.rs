@@ -1,4 +1,4 @@
-//! Which shadows a scenario gets that asks for `shadows: Auto`.
+//! Which shadows a scenario gets that names none or asks for `shadows: Auto`.
 //!
 //! Of the methods that err by no more than the scenario allows, the one that takes the least time, counted in azimuths swept
 //! over the terrain: those before the first image, and what each image takes in that unit. Methods say themselves what they
@@ -9,8 +9,10 @@
 //! # Assumptions
 //! The errors hold for rough terrain; on the connecting ridge they are a quarter to a half. They grow towards lower Suns. The
 //! choice depends on the scenario alone, on all of its exposures: neither the cache nor the adapter nor `--frames` has a share
-//! in it, so that the same scenario gives the same bytes whatever was run before.
+//! in it, so that the same scenario gives the same bytes whatever was run before. A sweep has no limit, so that there is always
+//! a choice; what an adapter cannot hold the reference renderer renders ([`super::device`]).
 
+use crate::render::Quantity;
 use crate::scenario::{Ambient, Scenario, Shadows, Sky};
 use crate::shadow::fan::azimuths_spanned;
 use crate::shadow::{Cost, MethodOptions, QuantizedLight, Workload, registry};
@@ -38,6 +40,13 @@ pub fn choose(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) ->
         && let Some(method) = registry::candidates().find(|method| method.serves_globe())
     {
         return settled(method, "a globe's tiles need its horizon maps");
+    }
+    let sigma = |point: &Quantity| *point == Quantity::SunFractionSigma;
+    if scenario.refine || scenario.outputs.planes.iter().any(sigma) {
+        return settled(
+            registry::maps_options(),
+            "refine and sun_fraction_sigma rest on the known errors of horizon maps",
+        );
     }
     let allowed = match scenario.shadows {
         Shadows::Auto { max_irradiance_error } => max_irradiance_error,
@@ -81,32 +90,50 @@ pub fn lights(exposures: &[Exposure]) -> Vec<Vec<QuantizedLight>> {
 /// The cheapest method that errs by no more than `allowed`.
 fn choice(work: &Workload, allowed: f64) -> Choice {
     let costs = |method: Box<dyn MethodOptions>| method.cost(work).map(|cost| (method, cost));
-    let candidates: Vec<_> = registry::candidates().filter_map(costs).collect();
-    let told: Vec<String> = candidates.iter().map(|(method, cost)| told(method.as_ref(), cost)).collect();
-    let total = |cost: &Cost| cost.azimuths as f64 + cost.images;
-    let least = candidates.iter().map(|(_, cost)| cost.error).fold(f64::INFINITY, f64::min);
-    let able = candidates.into_iter().filter(|(_, cost)| allowed >= cost.error && cost.azimuths <= cost.most);
+    let mut candidates: Vec<_> = registry::candidates().filter_map(costs).collect();
+    let is_able = |cost: &Cost| allowed >= cost.error && cost.azimuths <= cost.most;
     // The first of equal ones.
-    let Some((method, cost)) = able.min_by(|a, b| total(&a.1).total_cmp(&total(&b.1))) else {
-        let because = format!("nothing else errs by less than {least}, allowed is {allowed}");
+    let able = candidates.iter().enumerate().filter(|(_, (_, cost))| is_able(cost));
+    let Some((best, _)) = able.min_by(|a, b| total(&a.1.1).total_cmp(&total(&b.1.1))) else {
+        let least = candidates.iter().map(|(_, cost)| cost.error).fold(f64::INFINITY, f64::min);
+        let because =
+            format!("the others err by {least} of full sunlight and more, allowed is {allowed}: minutes an image");
         return settled(registry::reference_options(), &because);
     };
+    let (method, cost) = candidates.remove(best);
+    let others: Vec<String> =
+        candidates.iter().map(|(method, cost)| passed_over(method.as_ref(), cost, allowed)).collect();
     let why = format!(
-        "shadows: {} for an error of {}, allowed is {allowed}: as long as sweeping {:.0} azimuths, images included; before the \
-         first of {} images {}",
+        "shadows: {}, the least work with an error of at most {allowed} of full sunlight (it has {}): {} of the Sun before the \
+         first image, all told as long as {:.0} sweeps over the terrain for {}; {}",
         method.spelling(),
         cost.error,
+        counted(cost.azimuths, "azimuth"),
         total(&cost),
-        work.images,
-        told.join(", ")
+        counted(work.images, "image"),
+        others.join(", ")
     );
     Choice { method, why: Some(why) }
 }
 
-/// What a method takes before the first image.
-fn told(method: &dyn MethodOptions, cost: &Cost) -> String {
-    let most = if cost.most == usize::MAX { String::new() } else { format!(" (at most {})", cost.most) };
-    format!("{} takes {}{most}, error {}", method.spelling(), cost.azimuths, cost.error)
+fn total(cost: &Cost) -> f64 {
+    cost.azimuths as f64 + cost.images
+}
+
+/// Why another method was not taken.
+fn passed_over(method: &dyn MethodOptions, cost: &Cost, allowed: f64) -> String {
+    let spelling = method.spelling();
+    if cost.error > allowed {
+        return format!("{spelling} has an error of {}", cost.error);
+    }
+    if cost.azimuths > cost.most {
+        return format!("{spelling} holds {} azimuths, the Sun's are {}", cost.most, cost.azimuths);
+    }
+    format!("{spelling} would take {:.0} sweeps", total(cost))
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -7,10 +7,9 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use super::device::{self, AdapterChoice};
 use super::{Error, Prepared, Progress, build_scene, images, prepare, record, scene};
 use crate::dataset::{self, Writer};
-use crate::gpu::{Adapter, Gpu};
-use crate::render::{DeviceGround, Renderer};
 use crate::scenario::Scenario;
 
 /// How to run a scenario.
@@ -26,18 +25,6 @@ pub struct Options {
     pub resume: bool,
     /// Who renders.
     pub adapter: AdapterChoice,
-}
-
-/// Who renders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum AdapterChoice {
-    /// Any adapter; the reference renderer where there is none.
-    #[default]
-    Auto,
-    /// A hardware adapter or nothing.
-    Gpu,
-    /// The reference renderer.
-    Cpu,
 }
 
 /// What a run did.
@@ -90,11 +77,13 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let chosen = chosen(scenario, options)?;
     // The output's folder is tried before hours are spent on what shall go there.
     dataset::check_writable(&options.output)?;
-    let gpu = open_adapter(options.adapter, scenario, progress)?;
+    let gpu = device::open(options.adapter, scenario, progress)?;
 
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
-    let renderer = renderer(gpu.as_ref(), options.adapter, scenario, &prepared)?;
+    let Prepared { ground, shadows, exposures, .. } = &prepared;
+    let (terrain, method) = (&ground.surface.terrain, shadows.method.as_ref());
+    let renderer = device::renderer(gpu.as_ref(), options.adapter, scenario, terrain, method, exposures, progress)?;
     let terrain = lap(start);
 
     let start = Instant::now();
@@ -133,23 +122,6 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     })
 }
 
-/// Who renders, once it is known which shadows are cast; asks whether the device can hold the terrain.
-fn renderer(
-    gpu: Option<&Gpu>,
-    choice: AdapterChoice,
-    scenario: &Scenario,
-    prepared: &Prepared,
-) -> Result<Renderer, Error> {
-    let method = &prepared.shadows.method;
-    let gpu = gpu.filter(|_| choice != AdapterChoice::Auto || method.runs_on_device());
-    if let Some(gpu) = gpu {
-        let terrain = &prepared.ground.surface.terrain;
-        DeviceGround::check(gpu, terrain)?;
-        method.check_device(gpu, terrain.seen_nodes(), scenario.horizon.encoding)?;
-    }
-    Ok(Renderer::on_any(gpu))
-}
-
 /// What is written beside the images.
 fn settings(scenario: &Scenario) -> dataset::Settings {
     dataset::Settings {
@@ -172,28 +144,4 @@ fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error>
         return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });
     }
     Ok(range)
-}
-
-/// Whether the scenario names a method that only the reference renderer has.
-fn is_for_host(scenario: &Scenario) -> bool {
-    scenario.shadows.method().is_some_and(|method| !method.runs_on_device())
-}
-
-/// The device that renders; `None`: the reference renderer does.
-fn open_adapter(choice: AdapterChoice, scenario: &Scenario, progress: &dyn Progress) -> Result<Option<Gpu>, Error> {
-    match choice {
-        AdapterChoice::Cpu => Ok(None),
-        AdapterChoice::Gpu => Ok(Some(Gpu::open(Adapter::Gpu)?)),
-        AdapterChoice::Auto if is_for_host(scenario) => {
-            progress.say("shadows that devices do not have: rendering with the reference renderer on the CPU");
-            Ok(None)
-        }
-        AdapterChoice::Auto => match Gpu::open(Adapter::Auto) {
-            Ok(gpu) => Ok(Some(gpu)),
-            Err(error) => {
-                progress.say(&format!("{error}; rendering with the reference renderer on the CPU"));
-                Ok(None)
-            }
-        },
-    }
 }

@@ -36,6 +36,7 @@ use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
+use crate::shadow::field_pages::page_bits;
 use crate::shadow::{Skylines, UnpreparedLight};
 use crate::terrain::{Face, Ground, Hit};
 
@@ -119,7 +120,10 @@ impl Passes {
             ("BARE_SKY", Diffuse::bare_share(scene)),
         ];
         constants.extend(scene.disk.constants());
-        let skylines = fields.map(|fields| DeviceSkylines::new(gpu, fields, &ground)).transpose()?;
+        if fields.is_some() {
+            constants.push(("FIELD_PAGE_BITS", f64::from(page_bits(gpu))));
+        }
+        let skylines = fields.map(|fields| DeviceSkylines::new(gpu, fields, scene)).transpose()?;
         constants.extend(ground.constants);
         constants.extend(of_method);
         let mesh = match scene.view_rays {
@@ -207,8 +211,8 @@ impl Passes {
             self.skylines.as_ref().map_or(placed, |skylines| skylines.placed(placed, index))
         };
         let levels: Vec<MapLevel> = self.ground.levels.iter().enumerate().map(placed).collect();
-        let fields = self.skylines.as_ref().and_then(DeviceSkylines::buffer);
-        let of_method = fields.into_iter().chain(&self.method_buffers);
+        let fields = self.skylines.as_ref().map_or(&[][..], DeviceSkylines::buffers);
+        let of_method = fields.iter().chain(&self.method_buffers);
         let lights = lights(scene, view);
         let faces = gpu.storage("maps", &never_empty(faces));
         let levels = gpu.storage("levels", &never_empty(levels));

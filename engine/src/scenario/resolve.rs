@@ -36,7 +36,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();
     check.needs(
-        !spec.refine || spec.shadows.method().is_some_and(|method| method.has_bounds()),
+        !spec.refine || spec.shadows.method().is_none_or(|method| method.has_bounds()),
         "refine",
         "needs shadows from horizon maps with all their coefficients and no visibility, whose errors are known",
     );

@@ -24,7 +24,7 @@ const OPEN: &str = include_str!("open.wgsl");
 const NODES: &str = include_str!("nodes.wgsl");
 /// The light above a straight skyline.
 pub const SKYLINE_WGSL: &str = include_str!("skyline.wgsl");
-/// Fields of nodes, interpolated: binding 0.
+/// Fields of nodes, interpolated: all bindings of a method.
 pub const FIELDS_WGSL: &str = include_str!("fields.wgsl");
 
 /// Bindings that belong to a method.
@@ -37,7 +37,7 @@ pub struct DevicePart {
     pub wgsl: String,
     /// Its `override` values.
     pub constants: Vec<(&'static str, f64)>,
-    /// Bindings 0, 1, … that its WGSL reads; fields take binding 0.
+    /// Bindings 0, 1, … that its WGSL reads; fields take all of them.
     pub buffers: Vec<Buffer>,
     /// Where each level's texels begin, in the order of faces and levels; empty where there are none.
     pub texels: Vec<LevelTexels>,

@@ -15,7 +15,7 @@ use super::skylines::{InterpolatedSkylines, SkylineSource, Skylines, UnpreparedL
 use crate::gpu::{Gpu, GpuError};
 use crate::horizon::{self, Encoding, HorizonMap};
 use crate::photometry::SolarDisk;
-use crate::terrain::Surface;
+use crate::terrain::{Surface, Terrain};
 
 /// A method of casting shadows, ready for a surface.
 pub trait ShadowMethod: Debug + Send + Sync {
@@ -138,8 +138,8 @@ pub trait MethodOptions: Debug + Send + Sync {
         None
     }
 
-    /// Whether an adapter can hold what it needs for so many nodes: asked before hours go into it.
-    fn check_device(&self, _gpu: &Gpu, _nodes: usize, _encoding: Encoding) -> Result<(), GpuError> {
+    /// Whether an adapter can hold what it needs for a terrain under so many lights: asked before hours go into it.
+    fn check_device(&self, _: &Gpu, _: &Terrain, _lights: usize, _: Encoding) -> Result<(), GpuError> {
         Ok(())
     }
 

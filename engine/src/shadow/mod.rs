@@ -12,6 +12,7 @@
 
 pub mod device;
 pub mod fan;
+pub mod field_pages;
 pub mod horizon_maps;
 pub mod light;
 pub mod method;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::horizon_maps::{self, HorizonMaps};
+use super::horizon_maps::{self, HorizonMaps, HorizonMapsOptions};
 use super::method::{Bench, Family, MethodOptions, NamedMethod, ShadowMethod};
 use super::off::Off;
 use super::site::Shadow;
@@ -65,6 +65,11 @@ pub fn reference_shadow(surface: &Surface, settings: Settings) -> Box<dyn Shadow
 /// does.
 pub fn uncompressed_at_nodes() -> Option<&'static str> {
     all().find(|named| (named.options)().is_for_given_lights()).map(|named| named.name)
+}
+
+/// How horizon maps at every sample are asked for, whose errors are known.
+pub fn maps_options() -> Box<dyn MethodOptions> {
+    Box::new(HorizonMapsOptions::default())
 }
 
 /// How no cast shadows are asked for.

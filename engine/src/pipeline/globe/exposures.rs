@@ -30,7 +30,7 @@ pub fn exposures(
     progress.say(&shown.summary());
     ground.surface = Arc::new(shown.surface()?);
     let (exposures, motions) = placed(ground)?;
-    if scenario.shadows.method().is_some_and(|method| method.needs_maps()) {
+    if scenario.shadows.method().is_none_or(|method| method.needs_maps()) {
         let band = motion::band(scenario, &exposures);
         shown.check_given(Settings { band, ..scene::horizon_settings(scenario) }, scenario.horizon.encoding)?;
     }

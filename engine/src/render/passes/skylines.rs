@@ -3,14 +3,13 @@
 use wgpu::Buffer;
 
 use super::upload::DeviceGround;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError};
 use crate::render::layout::MapLevel;
 use crate::render::{RenderError, Scene};
-use crate::shadow::skylines::Field;
+use crate::shadow::field_pages::FieldPages;
+use crate::shadow::skylines::{Field, Skyline};
 use crate::shadow::{FieldMaker, Fields, QuantizedLight, Skylines, SurfacePoints, UnpreparedLight};
 
-/// Skylines in a texel.
-const PER_TEXEL: usize = 2;
 /// Lights with fields of their own, as offsets in a level.
 const LIGHTS: usize = 4;
 
@@ -18,26 +17,26 @@ const LIGHTS: usize = 4;
 #[derive(Debug)]
 pub struct DeviceSkylines {
     fields: Fields,
-    /// Where a light's field of each level begins, in texels.
-    starts: Vec<usize>,
-    texels: usize,
     /// Found on the host.
     found: Skylines,
     /// Read back from the device.
     read: Skylines,
-    made: Option<(Vec<QuantizedLight>, Buffer)>,
+    made: Option<Made>,
+}
+
+/// Fields towards some lights.
+#[derive(Debug)]
+struct Made {
+    lights: Vec<QuantizedLight>,
+    pages: FieldPages,
+    buffers: Vec<Buffer>,
 }
 
 impl DeviceSkylines {
-    pub fn new(gpu: &Gpu, fields: Fields, ground: &DeviceGround) -> Result<Self, RenderError> {
-        let mut texels = 0;
-        let mut starts = Vec::new();
-        for level in &ground.levels {
-            starts.push(texels);
-            texels += (level.shader.columns as usize * level.shader.rows as usize).div_ceil(PER_TEXEL);
-        }
-        gpu.fits::<[u32; 4]>("skylines", texels, 1)?;
-        Ok(Self { fields, starts, texels, found: Skylines::default(), read: Skylines::default(), made: None })
+    /// One light has room at least.
+    pub fn new(gpu: &Gpu, fields: Fields, scene: &Scene) -> Result<Self, GpuError> {
+        FieldPages::new(gpu, &scene.surface.terrain, 1)?;
+        Ok(Self { fields, found: Skylines::default(), read: Skylines::default(), made: None })
     }
 
     /// The fields towards these lights and what making them took on the device.
@@ -51,67 +50,45 @@ impl DeviceSkylines {
         if lights.len() > LIGHTS {
             return Err(RenderError::TooManyLights { got: lights.len(), allowed: LIGHTS });
         }
-        if self.made.as_ref().is_some_and(|(made, _)| made == lights) {
+        if self.made.as_ref().is_some_and(|made| made.lights == lights) {
             return Ok(Some(0.0));
         }
-        gpu.fits::<[u32; 4]>("skylines", lights.len() * self.texels, 1)?;
-        let (seconds, buffer) = match &self.fields {
-            Fields::Device(maker) => self.make(gpu, maker.as_ref(), scene, ground, lights),
-            Fields::Host => (Some(0.0), self.send(gpu, scene, lights)?),
+        let pages = FieldPages::new(gpu, &scene.surface.terrain, lights.len())?;
+        let (seconds, buffers) = match &self.fields {
+            Fields::Device(maker) => make(gpu, maker.as_ref(), scene, ground, lights, &pages),
+            Fields::Host => (Some(0.0), self.send(gpu, scene, lights, &pages)?),
         };
-        self.made = Some((lights.to_vec(), buffer));
+        self.made = Some(Made { lights: lights.to_vec(), pages, buffers });
         Ok(seconds)
     }
 
-    pub fn buffer(&self) -> Option<&Buffer> {
-        self.made.as_ref().map(|(_, buffer)| buffer)
+    /// Bindings of the pages.
+    pub fn buffers(&self) -> &[Buffer] {
+        self.made.as_ref().map_or(&[], |made| &made.buffers)
     }
 
     /// A level whose horizons are the fields of each light.
     pub fn placed(&self, level: MapLevel, index: usize) -> MapLevel {
-        let offset = |light: usize| (light * self.texels + self.starts[index]) as u32;
-        MapLevel { horizon: std::array::from_fn(offset), ..level }
+        let texel = |light: usize| self.made.as_ref().map_or(0, |made| made.pages.texel(light, index));
+        MapLevel { horizon: std::array::from_fn(texel), ..level }
     }
 
-    fn make(
-        &self,
+    fn send(
+        &mut self,
         gpu: &Gpu,
-        maker: &dyn FieldMaker,
         scene: &Scene,
-        ground: &DeviceGround,
         lights: &[QuantizedLight],
-    ) -> (Option<f64>, Buffer) {
-        let fields = gpu.output("skylines", (lights.len() * self.texels * size_of::<[u32; 4]>()) as u64);
-        let mut seconds = Some(0.0);
-        for (index, light) in lights.iter().enumerate() {
-            for (start, level) in self.starts.iter().zip(&ground.levels) {
-                let map = &scene.surface.terrain.faces[level.face].map;
-                let offset = PER_TEXEL * (index * self.texels + start);
-                let spent = maker.field(gpu, map, [level.face, level.level], light, &fields, offset);
-                seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
-            }
-        }
-        (seconds, fields)
-    }
-
-    fn send(&mut self, gpu: &Gpu, scene: &Scene, lights: &[QuantizedLight]) -> Result<Buffer, UnpreparedLight> {
+        pages: &FieldPages,
+    ) -> Result<Vec<Buffer>, UnpreparedLight> {
         let found = self.found_on_host(scene, lights)?;
-        let mut values = vec![[0.0; 2]; PER_TEXEL * lights.len() * self.texels];
+        let mut values: Vec<Field> = pages.filled().iter().map(|&nodes| vec![[0.0; 2]; nodes]).collect();
         for light in 0..lights.len() {
-            for (face, levels) in scene.surface.terrain.faces.iter().enumerate() {
-                for level in 0..levels.levels.len() {
-                    let (start, field) = (self.start(scene, light, [face, level]), found.field(light, face, level));
-                    values[start..start + field.len()].copy_from_slice(field);
-                }
+            for (index, [face, level]) in levels(scene).enumerate() {
+                let (place, field) = (pages.place(light, index), found.field(light, face, level));
+                values[place.page][place.start..place.start + field.len()].copy_from_slice(field);
             }
         }
-        Ok(gpu.storage("skylines", &values))
-    }
-
-    /// Where a light's field of a level begins, in nodes.
-    fn start(&self, scene: &Scene, light: usize, [face, level]: [usize; 2]) -> usize {
-        let before: usize = scene.surface.terrain.faces[..face].iter().map(|face| face.levels.len()).sum();
-        PER_TEXEL * (light * self.texels + self.starts[before + level])
+        Ok(values.iter().map(|values| gpu.storage("skylines", values)).collect())
     }
 
     /// The fields towards these lights as the host finds them.
@@ -124,19 +101,49 @@ impl DeviceSkylines {
 
     /// The fields that the device holds, read back where it made them.
     pub fn on_host(&mut self, gpu: &Gpu, scene: &Scene) -> Result<Skylines, RenderError> {
-        let (Fields::Device(_), Some((lights, buffer))) = (&self.fields, &self.made) else {
+        let (Fields::Device(_), Some(Made { lights, pages, buffers })) = (&self.fields, &self.made) else {
             return Ok(self.found.clone());
         };
         if *lights == self.read.lights {
             return Ok(self.read.clone());
         }
-        let values: Vec<[f32; 2]> = gpu.read(buffer)?;
-        let field = |wanted: &QuantizedLight, [face, level]: [usize; 2]| -> Result<Field, RenderError> {
+        let values = buffers.iter().map(|buffer| gpu.read(buffer)).collect::<Result<Vec<Field>, _>>()?;
+        let field = |wanted: &QuantizedLight, at: [usize; 2]| -> Result<Field, RenderError> {
             let light = lights.iter().position(|light| light == wanted).unwrap_or_default();
-            let start = self.start(scene, light, [face, level]);
-            Ok(values[start..][..SurfacePoints::of(&scene.surface.terrain.faces[face].levels[level]).count()].to_vec())
+            let index = levels(scene).position(|level| level == at).unwrap_or_default();
+            let place = pages.place(light, index);
+            let count = SurfacePoints::of(&scene.surface.terrain.faces[at[0]].levels[at[1]]).count();
+            Ok(values[place.page][place.start..][..count].to_vec())
         };
         self.read = Skylines::default().found(&scene.surface, field, lights)?;
         Ok(self.read.clone())
     }
+}
+
+/// Faces and levels in the order of a [`DeviceGround`].
+fn levels(scene: &Scene) -> impl Iterator<Item = [usize; 2]> {
+    let faces = scene.surface.terrain.faces.iter().enumerate();
+    faces.flat_map(|(face, levels)| (0..levels.levels.len()).map(move |level| [face, level]))
+}
+
+fn make(
+    gpu: &Gpu,
+    maker: &dyn FieldMaker,
+    scene: &Scene,
+    ground: &DeviceGround,
+    lights: &[QuantizedLight],
+    pages: &FieldPages,
+) -> (Option<f64>, Vec<Buffer>) {
+    let page = |nodes: &usize| gpu.output("skylines", (nodes * size_of::<Skyline>()) as u64);
+    let buffers: Vec<Buffer> = pages.filled().iter().map(page).collect();
+    let mut seconds = Some(0.0);
+    for (index, light) in lights.iter().enumerate() {
+        for (at, level) in ground.levels.iter().enumerate() {
+            let map = &scene.surface.terrain.faces[level.face].map;
+            let place = pages.place(index, at);
+            let spent = maker.field(gpu, map, [level.face, level.level], light, &buffers[place.page], place.start);
+            seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
+        }
+    }
+    (seconds, buffers)
 }

@@ -15,8 +15,8 @@ use crate::shadow::{MethodOptions, registry};
 #[serde(deny_unknown_fields)]
 pub enum Shadows {
     /// By the method that is ready soonest of those that are right enough: towards the Sun by a swath where a sequence lasts
-    /// hours at most, by a sweep for each of a few exposures, horizon maps for more, tracing where nothing else will do. The run
-    /// says which, and why.
+    /// hours at most, by a sweep for each of a few exposures, horizon maps for more or where `refine` or `sun_fraction_sigma`
+    /// need them, tracing where nothing else will do. The run says which, and why. The default.
     Auto {
         /// RMS error of the irradiance, in full Suns, that the shadows may have on terrain like the measured.
         #[serde(default = "default_max_irradiance_error")]
@@ -95,7 +95,7 @@ fn default_max_irradiance_error() -> f64 {
 
 impl Default for Shadows {
     fn default() -> Self {
-        Self::HorizonMaps(HorizonMapsOptions::default())
+        Self::Auto { max_irradiance_error: default_max_irradiance_error() }
     }
 }
 
@@ -104,7 +104,7 @@ impl Shadows {
     pub fn current(&self) -> Self {
         let towards_sun = |by: Search| Self::TowardsSun(TowardsSunOptions { by });
         match *self {
-            Self::Fourier => Self::default(),
+            Self::Fourier => Self::HorizonMaps(HorizonMapsOptions::default()),
             Self::Baked => Self::HorizonMaps(HorizonMapsOptions { at: At::Nodes, ..Default::default() }),
             Self::Series { visibility, coefficients, at } => {
                 // At every sample the line's share is that of the disc above the skyline's tangent.

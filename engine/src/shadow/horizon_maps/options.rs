@@ -11,9 +11,11 @@ use super::maps::{At, HorizonMaps};
 use super::visibility::Visibility;
 use crate::gpu::{Gpu, GpuError};
 use crate::horizon::{Encoding, HorizonMap};
+use crate::shadow::field_pages::FieldPages;
 use crate::shadow::method::{
     Cost, Flaw, Ingredients, MethodOptions, PrepareError, ShadowMethod, Workload, spelled, unless_default,
 };
+use crate::terrain::Terrain;
 
 /// From Fourier-compressed horizon maps.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -84,8 +86,12 @@ impl MethodOptions for HorizonMapsOptions {
         Some(cost(work, self.at))
     }
 
-    fn check_device(&self, gpu: &Gpu, nodes: usize, encoding: Encoding) -> Result<(), GpuError> {
-        DeviceMaps::check(gpu, nodes, self.encoding(encoding))
+    fn check_device(&self, gpu: &Gpu, terrain: &Terrain, lights: usize, encoding: Encoding) -> Result<(), GpuError> {
+        DeviceMaps::check(gpu, terrain.seen_nodes(), self.encoding(encoding))?;
+        match self.at {
+            At::Pixels => Ok(()),
+            At::Nodes => FieldPages::new(gpu, terrain, lights).map(drop),
+        }
     }
 
     fn prepare(&self, ingredients: Ingredients) -> Result<Arc<dyn ShadowMethod>, PrepareError> {

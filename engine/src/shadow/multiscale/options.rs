@@ -6,8 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Multiscale;
+use crate::gpu::{Gpu, GpuError};
+use crate::horizon::Encoding;
+use crate::shadow::field_pages::FieldPages;
 use crate::shadow::method::{Ingredients, MethodOptions, PrepareError, ShadowMethod, spelled};
-use crate::terrain::Surface;
+use crate::terrain::{Surface, Terrain};
 
 /// From a multi-scale pyramid of heights (Snyder & Nowrouzezahrai 2008): smooth skylines for large, dim sources. No
 /// match for the Sun's disc.
@@ -47,6 +50,10 @@ impl MethodOptions for MultiscaleOptions {
 
     fn warning(&self, _: Option<&Surface>) -> Option<String> {
         Some("shadows: Multiscale smooths skylines over degrees, the Sun's disc is half a degree wide".into())
+    }
+
+    fn check_device(&self, gpu: &Gpu, terrain: &Terrain, lights: usize, _: Encoding) -> Result<(), GpuError> {
+        FieldPages::new(gpu, terrain, lights).map(drop)
     }
 
     fn prepare(&self, ingredients: Ingredients) -> Result<Arc<dyn ShadowMethod>, PrepareError> {

@@ -8,12 +8,15 @@ use serde::{Deserialize, Serialize};
 use super::single_azimuth::{Edge, SingleAzimuth};
 use super::swath::{MOST_PLANES, Plan};
 use super::sweep::Swept;
+use crate::gpu::{Gpu, GpuError};
+use crate::horizon::Encoding;
 use crate::shadow::fan::STEP_DEG;
+use crate::shadow::field_pages::FieldPages;
 use crate::shadow::light::QuantizedLight;
 use crate::shadow::method::{
     Cost, Domain, Ingredients, MethodOptions, PrepareError, ShadowMethod, Workload, spelled, unless_default,
 };
-use crate::terrain::Surface;
+use crate::terrain::{Surface, Terrain};
 
 /// RMS error of the irradiance in full Suns: `docs/experiments/shadow_methods.md`.
 const ERROR: f64 = 0.0035;
@@ -120,6 +123,10 @@ impl MethodOptions for TowardsSunOptions {
             Search::SingleAzimuth { .. } => return None,
         };
         Some(Cost { azimuths, most, images: FIELD * work.lights as f64, error: ERROR })
+    }
+
+    fn check_device(&self, gpu: &Gpu, terrain: &Terrain, lights: usize, _: Encoding) -> Result<(), GpuError> {
+        FieldPages::new(gpu, terrain, lights).map(drop)
     }
 
     fn prepare(&self, ingredients: Ingredients) -> Result<Arc<dyn ShadowMethod>, PrepareError> {
