@@ -57,7 +57,7 @@ fn sun_prints_tables_and_csv() {
     assert!(table.starts_with("mars in IAU_MARS") && table.contains("2026-09-08T11:58:50.81"), "{table}");
     let csv = printed(&[&place[..], &["--csv"]].concat());
     let widths: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(widths, [9, 9], "{csv}");
+    assert_eq!(widths, [16, 16], "{csv}");
 }
 
 #[test]

@@ -40,6 +40,10 @@ fn moon() -> Reflectance {
     Reflectance::Hapke(Hapke { coherent_amplitude: 0.4, coherent_width: 0.05, filling_factor: 0.2, ..Hapke::moon() })
 }
 
+fn lunar() -> Reflectance {
+    Reflectance::lunar(0.19, DiscFunction::LunarLambert).unwrap()
+}
+
 fn laws() -> [Reflectance; 16] {
     [
         Reflectance::lambert(0.12),
@@ -48,7 +52,7 @@ fn laws() -> [Reflectance; 16] {
         Reflectance::empirical(0.12, DiscFunction::Minnaert { exponent: 0.7 }),
         Reflectance::empirical(0.12, DiscFunction::Akimov { smoothness: 1.0 }),
         Reflectance::empirical(0.12, DiscFunction::Akimov { smoothness: 0.34 }),
-        Reflectance::lunar(0.19, DiscFunction::LunarLambert).unwrap(),
+        lunar(),
         Reflectance::lunar(0.19, DiscFunction::Minnaert { exponent: 0.7 }).unwrap(),
         Reflectance::LrocNac2019 { scale: 1.1 },
         Reflectance::Hapke(Hapke::moon()),
@@ -347,6 +351,42 @@ fn reflectance_comparisons() -> Vec<Comparison> {
             [spread(1000, &[(-1.0, 1.0)]), vec![vec![-1.0], vec![1.0], vec![0.0]]].concat(),
             (1e-6, 0.0),
             |x| vec![x[0].acos()],
+        ),
+        comparison(
+            "phase_function",
+            &format!("y[0] = phase_function({}, x[0]);", parameters(&lunar())),
+            [spread(1000, &[(0.0, 3.15)]), spread(200, &[(0.0, 0.1)])].concat(),
+            (0.0, 2e-5),
+            |x| {
+                let (p, g) = (lunar().parameters(), x[0].min(130f64.to_radians()));
+                let powers = [p.phase_linear, p.phase_square, p.phase_cube, p.phase_fourth].map(f64::from);
+                let sum: f64 = powers.iter().zip(1..).map(|(factor, power)| factor * g.powi(power)).sum();
+                let surge =
+                    |factor: f32, width_deg: f64| f64::from(factor) * ((-g / width_deg.to_radians()).exp() - 1.0);
+                let surges = surge(p.phase_narrow_surge, 4.06054) + surge(p.phase_wide_surge, 12.8802);
+                vec![(sum + surges).exp()]
+            },
+        ),
+        comparison(
+            "lroc_nac_2019",
+            "y[0] = lroc_nac_2019(x[0], x[1], x[2]);",
+            spread(1000, &[(0.01, 1.0), (0.01, 1.0), (0.0, 180.0)]),
+            (0.0, 2e-5),
+            |x| {
+                let exponent = -1.479654495 - 8.3528e-5 * x[2] * x[2] + 0.012964707 * x[2] - 0.237774774 * x[2].sqrt()
+                    + 0.556075496 * x[1]
+                    + 0.663671460 * x[0]
+                    - 0.439918609 * x[0] * x[0];
+                vec![exponent.exp() / (x[0] + x[1])]
+            },
+        ),
+        // Of a law that is none of the empirical ones; theirs are compared with the laws as a whole.
+        comparison(
+            "disc_function",
+            &[&p, "y[0] = disc_function(p, x[0], x[1], x[2]);"].concat(),
+            directions(100),
+            (0.0, 0.0),
+            |_| vec![1.0],
         ),
         comparison(
             "lunar_lambert_weight",

@@ -6,7 +6,7 @@ use super::Error;
 use super::photometric::Model;
 use super::register::Freedom;
 use super::render::Trial;
-use crate::photometry::{DiscFunction, Hapke, LimbDarkening, PhotometryError, Reflectance, SolarDisk};
+use crate::photometry::{DiscFunction, Hapke, LimbDarkening, Reflectance, SolarDisk};
 use crate::pipeline::{self, AdapterChoice};
 use crate::scenario;
 
@@ -60,7 +60,7 @@ pub enum Law {
 
 /// Effective wavelength of panchromatic film and of unfiltered silicon under sunlight.
 const WAVELENGTH_NM: f64 = 580.0;
-/// Moon's mean normal albedo; only ratios count in a comparison.
+/// About the Moon's; only ratios count in a comparison.
 pub(super) const NORMAL_ALBEDO: f64 = 0.12;
 /// Between Lambert's 1 and the ½ of a law without limb darkening; its change with phase is left out.
 const MINNAERT_EXPONENT: f64 = 0.7;
@@ -79,14 +79,16 @@ impl Law {
         }
     }
 
-    pub fn reflectance(self) -> Result<Reflectance, PhotometryError> {
-        let normal_albedo = NORMAL_ALBEDO;
+    /// Without a phase function, but for Hapke's: a photograph's own brightness is not known, and within one the phase angle
+    /// hardly changes.
+    pub fn reflectance(self) -> Reflectance {
+        let empirical = |disc| Reflectance::empirical(NORMAL_ALBEDO, disc);
         match self {
-            Self::Lambert => Ok(Reflectance::lambert(normal_albedo)),
-            Self::LommelSeeliger => Reflectance::lunar(normal_albedo, DiscFunction::LommelSeeliger),
-            Self::LunarLambert => Reflectance::lunar(normal_albedo, DiscFunction::LunarLambert),
-            Self::Minnaert => Reflectance::lunar(normal_albedo, DiscFunction::Minnaert { exponent: MINNAERT_EXPONENT }),
-            Self::HapkeMoon => Ok(Reflectance::Hapke(Hapke::moon())),
+            Self::Lambert => empirical(DiscFunction::Lambert),
+            Self::LommelSeeliger => empirical(DiscFunction::LommelSeeliger),
+            Self::LunarLambert => empirical(DiscFunction::LunarLambert),
+            Self::Minnaert => empirical(DiscFunction::Minnaert { exponent: MINNAERT_EXPONENT }),
+            Self::HapkeMoon => Reflectance::Hapke(Hapke::moon()),
         }
     }
 }
@@ -95,7 +97,7 @@ impl Trial {
     /// Cast shadows of a limb-darkened Sun.
     pub fn of(law: Law) -> Result<Self, Error> {
         let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?;
-        let (name, reflectance) = (law.name().into(), law.reflectance()?);
+        let (name, reflectance) = (law.name().into(), law.reflectance());
         Ok(Self { name, reflectance, disk, shadows: true, sun_radii: 1.0, sun_turn_rad: [0.0; 2] })
     }
 
