@@ -61,6 +61,7 @@ pub mod files;
 pub mod grid;
 pub mod linear;
 pub mod quantity;
+pub mod signals;
 pub mod statistics;
 
 pub mod geometry;
