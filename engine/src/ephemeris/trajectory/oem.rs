@@ -14,15 +14,42 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Epoch, Unit};
 
 use super::{SLACK_S, TrajectoryError};
-use crate::ephemeris::epoch::parse_in_scale;
+use crate::ephemeris::metadata::{Metadata, check_frame, check_overlaps};
 use crate::ephemeris::names::INERTIAL_FRAMES;
 use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, body_id, utc_text};
 use crate::geometry::{BodyFixed, Position};
 
 const M_PER_KM: f64 = 1000.0;
+/// Keywords of metadata.
+const KEYWORDS: [&str; 12] = [
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME",
+    "REF_FRAME_EPOCH",
+    "TIME_SYSTEM",
+    "START_TIME",
+    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME",
+    "STOP_TIME",
+    "INTERPOLATION",
+    "INTERPOLATION_DEGREE",
+];
+/// No spacecraft is faster (Parker Solar Probe: 192 km/s): numbers beyond are m/s.
+const FASTEST_M_S: f64 = 300e3;
+/// Distances in radii of the body, and the speed there, of states in metres near the body that are taken for km.
+const METRES_RADII: std::ops::Range<f64> = 900.0..3000.0;
+const METRES_SPEED_M_S: f64 = 30e3;
+/// Positions and velocities agree if the chord between two states is the mean velocity to this share: an orbit of which a step
+/// is half a radian leaves 2 %.
+const AGREEMENT: f64 = 0.1;
+/// Cosine of the turn of the velocity between two states up to which they are compared.
+const SMALL_TURN: f64 = 0.88;
+/// What positions written to the metre add to a chord.
+const ROUNDING_M: f64 = 2.0;
 const DEFAULT_DEGREE: usize = 7;
 /// Higher degrees oscillate between equal steps.
 const DEGREE_AT_MOST: usize = 27;
@@ -54,7 +81,7 @@ struct State {
 
 impl Oem {
     pub fn read(path: &Path) -> Result<Self, TrajectoryError> {
-        let text = std::fs::read_to_string(path)
+        let text = crate::text::read(path)
             .map_err(|source| TrajectoryError::Unreadable { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
@@ -69,6 +96,8 @@ impl Oem {
         if parser.segments.is_empty() {
             return Err(fault(path, last, "the message has no META_START".to_owned()));
         }
+        let spans: Vec<_> = parser.segments.iter().map(|segment| [segment.useable_from, segment.useable_until]).collect();
+        check_overlaps(&spans, SLACK_S).map_err(|problem| fault(path, last, problem))?;
         Ok(Self { path: path.to_owned(), segments: parser.segments })
     }
 
@@ -104,6 +133,15 @@ impl Oem {
             return Err(TrajectoryError::Center { path: self.path.clone(), center, body });
         }
         let (position_m, velocity_m_s) = segment.interpolate(epoch);
+        let radii = position_m.length() / frame.body.equatorial_radius_m;
+        if METRES_RADII.contains(&radii) && velocity_m_s.length() > METRES_SPEED_M_S {
+            let problem = format!(
+                "states of {} km and {} km/s look like metres; a message has km and km/s",
+                position_m.length() / M_PER_KM,
+                velocity_m_s.length() / M_PER_KM
+            );
+            return Err(fault(&self.path, 1, problem));
+        }
         Ok(turned(almanac, frame, &segment.frame, epoch, position_m, velocity_m_s)?)
     }
 }
@@ -147,9 +185,8 @@ enum Block {
 #[derive(Debug, Default)]
 struct Parser {
     block: Block,
-    meta: Vec<(String, String)>,
+    meta: Metadata,
     states: Vec<State>,
-    time_scale: Option<TimeScale>,
     segments: Vec<Segment>,
 }
 
@@ -165,8 +202,7 @@ impl Parser {
             }
             (Block::Meta, "META_STOP") => {
                 self.block = Block::States;
-                self.time_scale = Some(self.time_scale()?);
-                Ok(())
+                self.meta.time_scale().map(|_| ())
             }
             (Block::States, "COVARIANCE_START") => {
                 self.block = Block::Covariance;
@@ -177,22 +213,16 @@ impl Parser {
                 Ok(())
             }
             (Block::Covariance, _) => Ok(()),
-            (Block::Header | Block::Meta, line) => self.take_keyword(line),
+            (Block::Header, line) if line.contains('=') => Ok(()),
+            (Block::Header, line) => Err(format!("`{line}` is not KEYWORD = value")),
+            (Block::Meta, line) => self.meta.take(line, &KEYWORDS),
             (Block::States, line) => self.take_state(line),
         }
     }
 
-    fn take_keyword(&mut self, line: &str) -> Result<(), String> {
-        let (key, value) = line.split_once('=').ok_or_else(|| format!("`{line}` is not KEYWORD = value"))?;
-        if self.block == Block::Meta {
-            self.meta.push((key.trim().to_owned(), value.trim().to_owned()));
-        }
-        Ok(())
-    }
-
     fn take_state(&mut self, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
-        let epoch = self.epoch(words.next().unwrap_or_default())?;
+        let epoch = self.meta.epoch(words.next().unwrap_or_default())?;
         let numbers: Vec<f64> = words
             .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or(format!("`{word}` is not a number")))
             .collect::<Result<_, _>>()?;
@@ -203,37 +233,31 @@ impl Parser {
         if self.states.last().is_some_and(|last| last.epoch >= epoch) {
             return Err("the epoch is not later than that of the state before".to_owned());
         }
-        self.states.push(State { epoch, position_m: DVec3::new(x, y, z), velocity_m_s: DVec3::new(vx, vy, vz) });
-        Ok(())
-    }
-
-    fn optional(&self, key: &str) -> Option<&str> {
-        self.meta.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
-    }
-
-    fn required(&self, key: &str) -> Result<&str, String> {
-        self.optional(key).ok_or_else(|| format!("the segment's metadata lack {key}"))
-    }
-
-    fn time_scale(&self) -> Result<TimeScale, String> {
-        match self.required("TIME_SYSTEM")? {
-            "UTC" => Ok(TimeScale::UTC),
-            "TDB" => Ok(TimeScale::TDB),
-            "TT" => Ok(TimeScale::TT),
-            "TAI" => Ok(TimeScale::TAI),
-            "GPS" => Ok(TimeScale::GPST),
-            other => Err(format!("TIME_SYSTEM = {other}; allowed are UTC, TDB, TT, TAI and GPS")),
+        let state = State { epoch, position_m: DVec3::new(x, y, z), velocity_m_s: DVec3::new(vx, vy, vz) };
+        let speed_m_s = state.velocity_m_s.length();
+        if speed_m_s > FASTEST_M_S {
+            return Err(format!("a velocity of {} km/s looks like m/s; a message has km and km/s", speed_m_s / M_PER_KM));
+        }
+        let ignores_velocities = speed_m_s == 0.0 && !self.uses_velocities()?;
+        match self.states.last().filter(|before| !ignores_velocities && !before.agrees_with(&state)) {
+            Some(_) => Err("the positions of this state and the one before do not agree with their velocities".into()),
+            None => {
+                self.states.push(state);
+                Ok(())
+            }
         }
     }
 
-    fn epoch(&self, text: &str) -> Result<Epoch, String> {
-        let scale = self.time_scale.ok_or("a state stands before META_STOP")?;
-        let (date_time, scale) = text.strip_suffix('Z').map_or((text, scale), |utc| (utc, TimeScale::UTC));
-        parse_in_scale(date_time, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))
+    fn method(&self) -> &str {
+        self.meta.optional("INTERPOLATION").unwrap_or("HERMITE")
     }
 
-    fn optional_epoch(&self, key: &str) -> Result<Option<Epoch>, String> {
-        self.optional(key).map(|text| self.epoch(text)).transpose()
+    fn uses_velocities(&self) -> Result<bool, String> {
+        match self.method() {
+            "HERMITE" => Ok(true),
+            "LAGRANGE" | "LINEAR" => Ok(false),
+            other => Err(format!("INTERPOLATION = {other}; allowed are HERMITE, LAGRANGE and LINEAR")),
+        }
     }
 
     fn end_segment(&mut self) -> Result<(), String> {
@@ -248,15 +272,9 @@ impl Parser {
             return Err(format!("a segment needs at least {NEEDED} states, got {}", self.states.len()));
         }
         let (first, last) = (self.states[0].epoch, self.states[self.states.len() - 1].epoch);
-        let useable_from = self.optional_epoch("USEABLE_START_TIME")?.unwrap_or(first).max(first);
-        let useable_until = self.optional_epoch("USEABLE_STOP_TIME")?.unwrap_or(last).min(last);
-        let method = self.optional("INTERPOLATION").unwrap_or("HERMITE").to_uppercase();
-        let uses_velocities = match method.as_str() {
-            "HERMITE" => true,
-            "LAGRANGE" | "LINEAR" => false,
-            other => return Err(format!("INTERPOLATION = {other}; allowed are HERMITE, LAGRANGE and LINEAR")),
-        };
-        let degree = match (method.as_str(), self.optional("INTERPOLATION_DEGREE")) {
+        let [useable_from, useable_until] = self.meta.useable(first, last)?;
+        let uses_velocities = self.uses_velocities()?;
+        let degree = match (self.method(), self.meta.optional("INTERPOLATION_DEGREE")) {
             ("LINEAR", _) => 1,
             (_, None) => DEFAULT_DEGREE,
             (_, Some(text)) => text
@@ -265,11 +283,26 @@ impl Parser {
                 .filter(|degree| (1..=DEGREE_AT_MOST).contains(degree))
                 .ok_or(format!("INTERPOLATION_DEGREE = {text} is outside [1, {DEGREE_AT_MOST}]"))?,
         };
-        let (center, frame) = (self.required("CENTER_NAME")?.to_owned(), self.required("REF_FRAME")?.to_uppercase());
+        let (center, frame) = (self.meta.required("CENTER_NAME")?.to_owned(), self.meta.required("REF_FRAME")?.to_owned());
+        check_frame("REF_FRAME", &frame)?;
         let states = std::mem::take(&mut self.states);
         self.meta.clear();
         self.segments.push(Segment { center, frame, uses_velocities, degree, useable_from, useable_until, states });
         Ok(())
+    }
+}
+
+impl State {
+    /// Whether the chord to the next state is what their velocities say, as far as these can tell.
+    fn agrees_with(&self, next: &State) -> bool {
+        let step_s = (next.epoch - self.epoch).to_seconds();
+        let (chord_m_s, mean_m_s) =
+            ((next.position_m - self.position_m) / step_s, 0.5 * (self.velocity_m_s + next.velocity_m_s));
+        let [a, b] = [self.velocity_m_s, next.velocity_m_s];
+        let (slower, faster) = (a.length().min(b.length()), a.length().max(b.length()));
+        let turns_little = a.dot(b) >= SMALL_TURN * a.length() * b.length() && faster <= 2.0 * slower;
+        let tolerance_m_s = AGREEMENT * chord_m_s.length().max(mean_m_s.length()) + 1.0 + ROUNDING_M / step_s;
+        !turns_little || chord_m_s.distance(mean_m_s) <= tolerance_m_s
     }
 }
 
@@ -368,6 +401,47 @@ mod tests {
         assert!((linear_m / sagitta_m - 1.0).abs() < 0.01, "{linear_m} m {sagitta_m} m");
     }
 
+    /// The orbit of [`message`] with positions, or velocities, or both, times a factor.
+    fn scaled(position: f64, velocity: f64) -> String {
+        let number = |(index, word): (usize, &str)| match word.parse::<f64>() {
+            Ok(number) if index > 0 => (number * if index < 4 { position } else { velocity }).to_string(),
+            _ => word.to_owned(),
+        };
+        let line = |line: &str| match line.starts_with("2026-001T") {
+            true => line.split(' ').enumerate().map(number).collect::<Vec<_>>().join(" "),
+            false => line.to_owned(),
+        };
+        message("").lines().map(line).collect::<Vec<_>>().join("\n")
+    }
+
+    #[test]
+    fn metres_and_velocities_that_contradict_positions_are_refused() {
+        assert!(parse(&scaled(1.0, 1.0)).is_ok());
+        let said = |text: &str| parse(text).unwrap_err().to_string();
+        assert!(said(&scaled(1e3, 1e3)).contains("line 15: a velocity of 16"));
+        for (position, velocity) in [(1e3, 1.0), (1.0, 0.1), (1.0, -1.0), (1.2, 1.0)] {
+            assert!(said(&scaled(position, velocity)).contains("line 16: the positions"), "{position} {velocity}");
+        }
+        // Where velocities are left out and not used nothing contradicts them.
+        let without = scaled(1.0, 0.0).replace("META_STOP", "INTERPOLATION = LAGRANGE\nMETA_STOP");
+        assert!(parse(&without).is_ok());
+        assert!(said(&scaled(1.0, 0.0)).contains("line 16: the positions"));
+    }
+
+    #[test]
+    fn segments_that_overlap_need_useable_times() {
+        let first = message("");
+        let second = first[first.find("META_START").unwrap()..].to_owned();
+        let later = second.replace("2026-001T01:", "2026-001T02:").replace("2026-001T00:", "2026-001T01:");
+        // The last state of the one is the first of the other.
+        assert!(parse(&format!("{first}{later}")).is_ok());
+        let error = parse(&format!("{first}{second}")).unwrap_err().to_string();
+        assert!(error.contains("segments overlap from 2025-12-31T23:58:50"), "{error}");
+        let half = "USEABLE_STOP_TIME = 2026-01-01T00:30:00\nMETA_STOP";
+        let rest = "USEABLE_START_TIME = 2026-01-01T00:30:00\nMETA_STOP";
+        assert!(parse(&(first.replace("META_STOP", half) + &second.replace("META_STOP", rest))).is_ok());
+    }
+
     #[test]
     fn useable_times_narrow_the_span() {
         let oem =
@@ -388,6 +462,9 @@ mod tests {
         assert!(fault("1837.4 0 0", "1837.4 0 x").contains("line 15: `x` is not a number"));
         assert!(fault("1837.4 0 0", "1837.4 0").contains("line 15: a state has 6 or 9 numbers"));
         assert!(fault("REF_FRAME = ICRF", "REF_FRAME ICRF").contains("line 9: `REF_FRAME ICRF` is not KEYWORD"));
+        assert!(fault("REF_FRAME = ICRF", "REF_FRAME = GCRF").contains("REF_FRAME = GCRF; allowed are ICRF, EME2000, J2000, IAU_"));
+        assert!(fault("OBJECT_ID = ", "REF_FRAME = ICRF\nOBJECT_ID = ").contains("REF_FRAME is given twice"));
+        assert!(fault("OBJECT_ID = ", "UNITS = m\nOBJECT_ID = ").contains("line 7: UNITS is not a keyword"));
         assert!(fault("COVARIANCE_STOP\n", "").contains("COVARIANCE_START without COVARIANCE_STOP"));
         assert!(parse("CCSDS_OEM_VERS = 2.0\n").unwrap_err().to_string().contains("no META_START"));
     }
