@@ -22,7 +22,7 @@ use super::header::{FORMAT, Header};
 use super::key::{FORMAT_VERSION, Key};
 use super::pack::HorizonMap;
 use super::pages::{self, GDAL_METADATA, Page};
-use crate::files::NewFile;
+use crate::files::{self, NewFile};
 
 /// Where the tile of a key lies in a directory.
 pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
@@ -135,5 +135,6 @@ pub fn read_of(directory: &Path, key: &Key) -> Result<HorizonMap, Error> {
     if header.key != *key {
         return Err(Error::OtherKey { path, got: header.key.as_str().into(), expected: key.as_str().into() });
     }
+    files::cache::touch(&path);
     Ok(map)
 }

@@ -11,6 +11,7 @@ mod georeference;
 mod picture;
 mod reader;
 mod sample;
+mod summary;
 mod window;
 mod write;
 
@@ -21,5 +22,6 @@ use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
 pub use picture::{Picture, notes};
 pub use reader::Values;
+pub use summary::{Summary, summary};
 pub use window::{Around, Window};
 pub use write::{GeoTiff, GeoTiffBand};

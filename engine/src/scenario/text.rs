@@ -1,7 +1,7 @@
 //! RON as scenarios are written in.
 
 use super::error::{Fault, Problem};
-use super::spec::Spec;
+use super::spec::{Shadows, Spec};
 use super::tree::TextPosition;
 
 /// Reads a scenario.
@@ -26,6 +26,11 @@ fn hint(error: &ron::Error) -> &'static str {
         ron::Error::InvalidEscape(_) => "; paths are written with /, or as r\"…\"",
         _ => "",
     }
+}
+
+/// Shadows as scenarios write them, as in `TowardsSun(by: Swath())`.
+pub fn parse_shadows(text: &str) -> Option<Shadows> {
+    read(text).ok()
 }
 
 fn first_letter_lower(text: &str) -> String {
