@@ -122,7 +122,7 @@ pub fn column_name(written: &str) -> String {
 }
 
 /// What parts the fields of a line; `None`: blanks.
-fn separator(line: &str) -> Option<u8> {
+fn separator(line: &str) -> Option<char> {
     let mut in_quotes = false;
     let outside: Vec<char> = line
         .chars()
@@ -131,38 +131,58 @@ fn separator(line: &str) -> Option<u8> {
             !in_quotes
         })
         .collect();
-    [b';', b',', b'\t'].into_iter().find(|separator| outside.contains(&char::from(*separator)))
+    [';', ',', '\t'].into_iter().find(|separator| outside.contains(separator))
 }
 
-fn parted(text: &str, separator: u8, is_comment: &dyn Fn(&str) -> bool) -> Result<Vec<Row>, TableError> {
-    // Comments keep their lines, so that those behind them are counted right.
-    let kept: String = text.split_inclusive('\n').map(|line| if is_comment(line) { "\n" } else { line }).collect();
-    let has_all_quotes = kept.matches('"').count().is_multiple_of(2);
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(separator)
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(kept.as_bytes());
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| TableError { line: 1, problem: error.to_string() })?;
-        let line = record.position().map_or(1, |position| position.line() as usize);
-        if !has_all_quotes && record.iter().any(|field| field.contains('\n')) {
-            return Err(TableError { line, problem: "a quote that begins here does not end".into() });
+/// The lines of a text with such a separator. An own reader: the crate `csv` takes a quote that nobody closes for a field that
+/// reaches to the end of the file.
+fn parted(text: &str, separator: char, is_comment: &dyn Fn(&str) -> bool) -> Result<Vec<Row>, TableError> {
+    let (mut rows, mut rest, mut line) = (Vec::new(), text, 1);
+    while let Some(first) = rest.split_inclusive('\n').next() {
+        if first.trim().is_empty() || is_comment(first) {
+            (rest, line) = (&rest[first.len()..], line + 1);
+            continue;
         }
-        let fields: Vec<String> = record.iter().map(unquoted).collect();
-        if fields.iter().any(|field| !field.is_empty()) {
-            rows.push(Row { line, fields });
+        let mut row = Row { line, fields: Vec::new() };
+        loop {
+            let (field, behind) = field(rest, separator).map_err(|problem| TableError { line, problem })?;
+            line += rest[..rest.len() - behind.len()].matches('\n').count();
+            row.fields.push(field);
+            rest = behind.strip_prefix(separator).unwrap_or(behind);
+            if rest.len() == behind.len() {
+                break;
+            }
+        }
+        (rest, line) = (rest.strip_prefix('\n').unwrap_or(rest), line + 1);
+        if row.fields.iter().any(|field| !field.is_empty()) {
+            rows.push(row);
         }
     }
     Ok(rows)
 }
 
-/// Quotes with blanks before them, which are none to RFC 4180.
-fn unquoted(field: &str) -> String {
-    let inside = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
-    inside.unwrap_or(field).trim().to_owned()
+/// A field without its quotes and the blanks around it, and the text that begins with the separator or line end after it.
+fn field(text: &str, separator: char) -> Result<(String, &str), String> {
+    let is_blank = |letter: char| letter != '\n' && letter != separator && letter.is_whitespace();
+    let text = text.trim_start_matches(is_blank);
+    let Some(inside) = text.strip_prefix('"') else {
+        let (field, behind) = text.split_at(text.find(['\n', separator]).unwrap_or(text.len()));
+        return Ok((field.trim().to_owned(), behind));
+    };
+    let mut end = 0;
+    loop {
+        end += inside[end..].find('"').ok_or("a quote that begins here does not end")?;
+        // Two stand for one.
+        if !inside[end + 1..].starts_with('"') {
+            break;
+        }
+        end += 2;
+    }
+    let behind = inside[end + 1..].trim_start_matches(is_blank);
+    if !(behind.is_empty() || behind.starts_with(['\n', separator])) {
+        return Err("text follows a quote that ends".into());
+    }
+    Ok((inside[..end].trim().replace("\"\"", "\""), behind))
 }
 
 #[cfg(test)]

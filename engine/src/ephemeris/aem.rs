@@ -77,7 +77,8 @@ impl Aem {
         Self::parse(path, &text)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, AemError> {
+    /// From a message's text; `path` names it in faults.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, AemError> {
         let fault = |line, problem| AemError::Line { path: path.into(), line, problem };
         let mut parser = Parser::default();
         for (line, content) in (1..).zip(text.lines()) {

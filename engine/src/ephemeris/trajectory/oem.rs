@@ -88,7 +88,8 @@ impl Oem {
         Self::parse(path, &text)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, TrajectoryError> {
+    /// From a message's text; `path` names it in faults.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, TrajectoryError> {
         let mut parser = Parser::default();
         for (line, content) in (1..).zip(text.lines()) {
             parser.take(content.trim()).map_err(|problem| fault(path, line, problem))?;
