@@ -73,8 +73,7 @@ pub enum AemError {
 
 impl Aem {
     pub fn read(path: &Path) -> Result<Self, AemError> {
-        let text =
-            crate::text::read(path).map_err(|source| AemError::Unreadable { path: path.into(), source })?;
+        let text = crate::text::read(path).map_err(|source| AemError::Unreadable { path: path.into(), source })?;
         Self::parse(path, &text)
     }
 
@@ -201,7 +200,8 @@ impl Parser {
         let [w, x, y, z] =
             if self.is_first("QUATERNION_TYPE", ["LAST", "FIRST"])? { [d, a, b, c] } else { [a, b, c, d] };
         // Turned over where B is the reference and A the camera, or where the turn is told from B to A; twice is not at all.
-        let turned_over = self.is_first("ATTITUDE_DIR", ["A2B", "B2A"])? != is_reference(self.meta.required("REF_FRAME_A")?);
+        let turned_over =
+            self.is_first("ATTITUDE_DIR", ["A2B", "B2A"])? != is_reference(self.meta.required("REF_FRAME_A")?);
         let wxyz = if turned_over { [w, -x, -y, -z] } else { [w, x, y, z] };
         self.rows.push((epoch, Quaternion::from_wxyz(wxyz).map_err(|error| error.to_string())?));
         Ok(())

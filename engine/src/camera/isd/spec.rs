@@ -3,8 +3,8 @@
 use std::fmt;
 
 use glam::{DMat3, DQuat, DVec3};
-use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::Value as Json;
 
 /// Neighbours that an interpolated position goes through.
@@ -164,7 +164,8 @@ pub enum Distortion {
 impl Distortion {
     /// `None` for a model that is not known, with other keys or other counts than it has.
     pub fn of(model: &str, value: &Json) -> Option<Self> {
-        let has_only = |known: &[&str]| value.as_object().is_some_and(|all| all.keys().all(|key| known.contains(&key.as_str())));
+        let has_only =
+            |known: &[&str]| value.as_object().is_some_and(|all| all.keys().all(|key| known.contains(&key.as_str())));
         match model {
             "radial" if has_only(&["coefficients"]) => Some(Self::Radial(numbers(&value["coefficients"])?)),
             "lrolrocnac" if has_only(&["coefficients"]) => {
