@@ -19,3 +19,4 @@ mod scenario;
 mod shadows;
 mod sweep;
 mod terrain;
+mod text_input;
