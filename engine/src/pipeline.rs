@@ -8,6 +8,7 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+mod albedo_map;
 mod applicability;
 pub mod auto;
 mod camera_record;
@@ -89,7 +90,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    scenario.notes.iter().for_each(|note| progress.say(note));
+    scenario.notes.iter().chain(&ground.findings).for_each(|note| progress.say(note));
     applicability::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
@@ -117,7 +118,7 @@ fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error
 /// Files that shape the images besides elevation models and kernels, with their role.
 fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
     let mut inputs = Vec::new();
-    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
+    if let Albedo::Map(path, _) | Albedo::SingleScattering(path, _) = &scenario.albedo {
         inputs.push(("albedo", path.as_path()));
     }
     if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
@@ -148,8 +149,10 @@ pub fn build_scene(
     let Prepared { ground, exposures, shadows: choice, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
-        Albedo::Map(path) | Albedo::SingleScattering(path) => {
-            Some(ground::albedo(&ground.surface, path, scene::albedo_scale(scenario))?)
+        Albedo::Map(path, reading) | Albedo::SingleScattering(path, reading) => {
+            let map = ground::albedo(&ground.surface, path, reading, scene::albedo_scale(scenario))?;
+            map.findings.iter().for_each(|finding| progress.say(finding));
+            Some(map.values)
         }
     };
     if let Some(albedo) = &albedo {

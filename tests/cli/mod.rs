@@ -6,6 +6,7 @@ mod camera;
 mod ephemeris;
 mod horizon;
 mod illuminate;
+mod inputs;
 mod inspect;
 mod labels;
 mod light;

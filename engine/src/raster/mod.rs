@@ -4,22 +4,32 @@
 //! thread makes its own [`Projector`]. GDAL's messages go into the errors of this module, never to the
 //! terminal.
 
+mod access;
+mod coverage;
 mod dem;
 mod digest;
 mod error;
 mod georeference;
+mod look;
+mod parts;
 mod picture;
+mod placed;
 mod reader;
+mod reading;
 mod sample;
+mod survey;
+mod unit;
 mod window;
 mod write;
 
+pub use access::Within;
 pub use dem::{Dem, Options};
 pub use digest::digest;
 pub use error::Error;
-use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
 pub use picture::{Picture, notes};
-pub use reader::Values;
+pub use reading::{Content, Reading, Values};
+pub use survey::Survey;
+pub use unit::{LENGTHS, SHARES, metres_in, shares_in};
 pub use window::{Around, Window};
 pub use write::{GeoTiff, GeoTiffBand};
