@@ -149,6 +149,7 @@ pub fn run(args: Args) -> Outcome {
         GeometrySource::File(args.geometry)
     };
     let stem = args.photo.file_stem().unwrap_or_default().to_owned();
+    let cache = args.files.cache.open()?;
     let request = Request {
         photo: args.photo,
         band: args.band,
@@ -164,7 +165,7 @@ pub fn run(args: Args) -> Outcome {
         pixels: args.size,
         ablation: !args.no_ablation,
         turn_sun: !args.no_ablation,
-        cache: args.files.cache,
+        cache: cache.to_path_buf(),
         adapter: args.adapter.into(),
     };
     let output = args.output.unwrap_or_else(|| PathBuf::from("output/compare").join(stem));

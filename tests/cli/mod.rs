@@ -1,7 +1,9 @@
 //! What the program says and writes.
 
 mod alone;
+mod attacks;
 mod bad_input;
+mod cache;
 mod camera;
 mod ephemeris;
 mod horizon;
@@ -11,6 +13,7 @@ mod inspect;
 mod labels;
 mod light;
 mod methods;
+mod progress;
 pub mod run;
 mod run_input;
 mod scenario;

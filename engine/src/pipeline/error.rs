@@ -64,8 +64,8 @@ pub enum Error {
          and turns by {turned_deg:.5} deg"
     )]
     CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
-    #[error("{from}..{until} names no exposure; the scenario has {count}, counted from 0")]
-    NoSuchExposures { from: usize, until: usize, count: usize },
+    #[error("{frames} names no exposure; the scenario has {count}, counted from 0")]
+    NoSuchExposures { frames: String, count: usize },
 }
 
 impl From<crate::shadow::PrepareError> for Error {

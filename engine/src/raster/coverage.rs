@@ -4,6 +4,7 @@
 use std::ptr;
 
 use gdal::raster::RasterBand;
+use gdal::{Dataset, Metadata};
 
 /// Columns and rows of a file, from its first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,8 +20,47 @@ const UNIMPLEMENTED: i32 = 1;
 const DATA: i32 = 2;
 const EMPTY: i32 = 4;
 
+/// Who knows what a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knows {
+    /// GDAL, of whole rectangles.
+    Status,
+    /// The offsets of a GeoTIFF's blocks. Uncompressed zeros that the file system keeps as a hole are numbers all the same, which
+    /// GDAL's status takes for missing.
+    Offsets,
+}
+
+impl Knows {
+    pub fn of(dataset: &Dataset) -> Self {
+        let packed = dataset.metadata_item("COMPRESSION", "IMAGE_STRUCTURE").is_some();
+        if dataset.driver().short_name() == "GTiff" && !packed { Self::Offsets } else { Self::Status }
+    }
+}
+
 /// Calls `hole` for all parts of a rectangle that the file holds nothing for; formats that cannot tell have none.
-pub fn holes(band: &RasterBand, rectangle: Rectangle, hole: &mut dyn FnMut(Rectangle)) {
+pub fn holes(band: &RasterBand, knows: Knows, rectangle: Rectangle, hole: &mut dyn FnMut(Rectangle)) {
+    match knows {
+        Knows::Status => by_status(band, rectangle, hole),
+        Knows::Offsets => by_offsets(band, rectangle, hole),
+    }
+}
+
+fn by_offsets(band: &RasterBand, rectangle: Rectangle, hole: &mut dyn FnMut(Rectangle)) {
+    let Rectangle { column, row, columns, rows } = rectangle;
+    let (width, height) = band.block_size();
+    for y in row / height..(row + rows).div_ceil(height) {
+        for x in column / width..(column + columns).div_ceil(width) {
+            if band.metadata_item(&format!("BLOCK_OFFSET_{x}_{y}"), "TIFF").is_some() {
+                continue;
+            }
+            let (left, top) = (column.max(x * width), row.max(y * height));
+            let (right, bottom) = ((column + columns).min((x + 1) * width), (row + rows).min((y + 1) * height));
+            hole(Rectangle { column: left, row: top, columns: right - left, rows: bottom - top });
+        }
+    }
+}
+
+fn by_status(band: &RasterBand, rectangle: Rectangle, hole: &mut dyn FnMut(Rectangle)) {
     let Rectangle { column, row, columns, rows } = rectangle;
     let status = status(band, rectangle);
     if status & UNIMPLEMENTED != 0 || status & EMPTY == 0 {
@@ -42,8 +82,8 @@ pub fn holes(band: &RasterBand, rectangle: Rectangle, hole: &mut dyn FnMut(Recta
     } else {
         return;
     };
-    holes(band, first, hole);
-    holes(band, second, hole);
+    by_status(band, first, hole);
+    by_status(band, second, hole);
 }
 
 /// About half of a length, cut between two blocks where it holds several.

@@ -57,9 +57,9 @@ pub enum Error {
     )]
     OtherBody { path: PathBuf, body: String, got_m: f64, expected_m: f64 },
     #[error(
-        "{path}: {}a {} of {body} lies between {low_m:.0} and {high_m:.0} m: {stored}{} comes {count} times, first at column \
-         {column}, row {row}; if it marks missing data write nodata: {stored}, else see the keys unit, scale, offset and values",
-        of_all(*wrong, *pixels), height_or_radius(*low_m), in_metres(*stored, *value_m)
+        "{path}: {}a {} of {body} lies between {low_m:.0} and {high_m:.0} m: {}{} comes {count} times, first at column \
+         {column}, row {row}; if it marks missing data write nodata: {}, else see the keys unit, scale, offset and values",
+        of_all(*wrong, *pixels), height_or_radius(*low_m), short(*stored), in_metres(*stored, *value_m), short(*stored)
     )]
     Implausible {
         path: PathBuf,
@@ -79,8 +79,8 @@ pub enum Error {
     )]
     Ambiguous { path: PathBuf, value: f64 },
     #[error(
-        "{path}: {}an albedo lies between 0 and 1: {stored} comes {count} times, first at column {column}, row {row}; {hint}",
-        of_all(*wrong, *pixels)
+        "{path}: {}an albedo lies between 0 and 1: {} comes {count} times, first at column {column}, row {row}; {hint}",
+        of_all(*wrong, *pixels), short(*stored)
     )]
     NoAlbedo {
         path: PathBuf,
@@ -146,4 +146,15 @@ fn height_or_radius(low_m: f64) -> &'static str {
 
 fn in_metres(stored: f64, value_m: f64) -> String {
     if stored == value_m { String::new() } else { format!(" ({value_m:.6} m)") }
+}
+
+/// A stored number with no more digits than tell it, as a scenario may write it.
+pub(super) fn short(stored: f64) -> String {
+    let single = stored as f32;
+    match (f64::from(single) == stored, stored.abs() >= 1e9) {
+        (true, true) => format!("{single:e}"),
+        (true, false) => single.to_string(),
+        (false, true) => format!("{stored:e}"),
+        (false, false) => stored.to_string(),
+    }
 }

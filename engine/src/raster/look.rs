@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::access::open_dataset;
+use super::coverage::Knows;
 use super::dem::Options;
 use super::parts::{Part, check_memory, parts};
 use super::placed::{check_body, georeference};
@@ -49,7 +50,7 @@ pub fn look(path: &Path, body: &Body, options: &Options, mut kept: Option<&mut V
     if let Some(kept) = &mut kept {
         **kept = vec![f32::NAN; columns * rows];
     }
-    let mut reader = Reader::new(path, &band, options.reading.nodata);
+    let mut reader = Reader::new(path, &band, Knows::of(&dataset), options.reading.nodata);
     let settled = settle(path, &readings, &reader.sample(window)?)?;
     let mut pass = Pass { path, body, whole: &whole, settled, tally: Tally::default(), extremes: NOTHING };
     let projector = whole.projector()?;

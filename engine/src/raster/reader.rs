@@ -6,7 +6,7 @@ use gdal::errors::GdalError;
 use gdal::raster::{GdalDataType, RasterBand};
 
 use super::Error;
-use super::coverage::{Rectangle, holes};
+use super::coverage::{Knows, Rectangle, holes};
 use super::window::Window;
 
 /// Places along a side at which numbers are sampled, and the side of a sample.
@@ -22,19 +22,21 @@ pub struct Reader<'a> {
     pub band: &'a RasterBand<'a>,
     /// Besides what the file declares.
     pub nodata: Option<f64>,
+    knows: Knows,
     masked: Vec<u8>,
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(path: &'a Path, band: &'a RasterBand<'a>, nodata: Option<f64>) -> Self {
-        Self { path, band, nodata, masked: Vec::new() }
+    pub fn new(path: &'a Path, band: &'a RasterBand<'a>, knows: Knows, nodata: Option<f64>) -> Self {
+        Self { path, band, nodata, knows, masked: Vec::new() }
     }
 
     /// The numbers of a rectangle, row by row; `None` where the file holds nothing for all of it.
     pub fn read(&mut self, rectangle: Rectangle) -> Result<Option<Vec<f64>>, Error> {
         let mut empty = Vec::new();
-        holes(self.band, rectangle, &mut |hole| empty.push(hole));
-        if empty == [rectangle] {
+        holes(self.band, self.knows, rectangle, &mut |hole| empty.push(hole));
+        let missing: usize = empty.iter().map(|hole| hole.columns * hole.rows).sum();
+        if missing == rectangle.columns * rectangle.rows {
             return Ok(None);
         }
         let damaged = |source| Error::Damaged { path: self.path.into(), source };

@@ -8,7 +8,7 @@
 
 use std::path::Path;
 
-use super::Error;
+use super::error::{Error, short};
 use super::reading::{Content, Numbers, Values};
 
 /// What is known of an elevation model or a map once it is read.
@@ -222,8 +222,8 @@ impl Tally {
             survey.step_slope_rad = (step_m / (n as f64 * posting_m)).atan();
             if survey.step_slope_rad > STEEP_RAD {
                 survey.findings.push(format!(
-                    "values come in steps of {step_m} m, which tilts facets {posting_m:.3} m apart by up to {:.1} deg; a coarser \
-                     posting_m, or heights instead of radii, are smoother",
+                    "values come in steps of {step_m} m, which tilts facets {posting_m:.3} m apart by up to {:.1} deg; a coarser posting_m is \
+                     smoother",
                     survey.step_slope_rad.to_degrees()
                 ));
             }
@@ -256,10 +256,11 @@ impl Tally {
             Content::Elevation => ("cliffs", " m"),
             Content::Albedo => ("edges", ""),
         };
+        let number = short(stored);
         let size = |difference: f64| difference * numbers.scale.abs();
         Some(format!(
-            "the number {stored} comes {count} times, first at column {column}, row {row}, with {what} of {:.4}{unit} around it where \
-             neighbours elsewhere differ by {:.4}{unit}: if it marks missing data write nodata: {stored}",
+            "the number {number} comes {count} times, first at column {column}, row {row}, with {what} of {:.4}{unit} around it where \
+             neighbours elsewhere differ by {:.4}{unit}: if it marks missing data write nodata: {number}",
             size(cliff),
             size(usual)
         ))
@@ -298,12 +299,13 @@ fn edges(stored: &[f64], columns: usize, suspects: &mut [&mut Suspect]) -> (u64,
 
 /// What makes shares of numbers that are none.
 fn albedo_hint(stored: f64, counts: bool, greatest: f64) -> String {
+    let number = short(stored);
     match (stored, counts, greatest) {
-        (stored, _, _) if stored < 0.0 => format!("if it marks missing data write nodata: {stored}"),
+        (stored, _, _) if stored < 0.0 => format!("if it marks missing data write nodata: {number}"),
         (_, true, greatest) if greatest <= 255.0 => "if these are counts of 255 write scale: 0.00392".into(),
         (_, true, greatest) if greatest <= 65_535.0 => "if these are counts of 65535 write scale: 1.526e-5".into(),
         (_, false, greatest) if greatest <= 100.0 => "if these are percent write unit: \"%\"".into(),
-        _ => format!("write scale, or nodata: {stored} if it marks missing data"),
+        _ => format!("write scale, or nodata: {number} if it marks missing data"),
     }
 }
 

@@ -21,7 +21,7 @@ use perilune_engine::terrain::{Face, Gnomonic, Level};
 use serde_json::json;
 
 use super::bars::Bars;
-use super::common::Kernels;
+use super::common::{CacheArgs, Kernels};
 use super::horizon::levels;
 use super::sun::parse_step;
 use super::{Outcome, place, print_line};
@@ -90,9 +90,8 @@ pub struct Args {
     /// Centre of the map, in degrees [default: the middle of the first DEM]
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     centre: Option<Geodetic>,
-    /// Directory in which horizon tiles are kept for the next time
-    #[arg(long, value_name = "DIR", default_value = "output/cache")]
-    cache: PathBuf,
+    #[command(flatten)]
+    cache: CacheArgs,
     #[command(flatten)]
     kernels: Kernels,
     /// Print JSON
@@ -224,13 +223,19 @@ fn nodes(named: &NamedArea, ground: &Ground) -> Result<Vec<bool>, String> {
 }
 
 /// The tile to decode, where one is asked for.
-fn tile(args: &Args, ground: &Ground, settings: Settings, bars: &Bars) -> Result<Option<HorizonMap>, horizon::Error> {
+fn tile(
+    args: &Args,
+    ground: &Ground,
+    settings: Settings,
+    bars: &Bars,
+) -> Result<Option<HorizonMap>, Box<dyn std::error::Error>> {
     let Some(encoding) = args.encoding else { return Ok(None) };
+    let cache = args.cache.open()?;
     let (face, body) = (&ground.surface.terrain.faces[0], &ground.surface.terrain.body);
     let request = Request { body, face, level: 0, settings, encoding };
     bars.begin("horizons", settings.azimuths, "azimuths");
     let on_progress = |done: usize, total: usize| bars.at(done, total);
-    horizon::open_or_build(&request, &args.cache.join("horizon"), horizon::Memory::default(), &on_progress).map(Some)
+    Ok(Some(horizon::open_or_build(&request, &cache.join("horizon"), horizon::Memory::default(), &on_progress)?))
 }
 
 /// Skylines swept for the blocks that are needed.
