@@ -27,7 +27,7 @@ use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 
 use super::Error;
 use super::access::keep_gdal_quiet;
-use super::reading::height_unit_m;
+use super::unit::height_unit_m;
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
 
 /// How a raster lies on its body.

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::access::open_dataset;
 use super::coverage::Knows;
-use super::dem::Options;
+use super::options::Options;
 use super::parts::{Part, check_memory, parts};
 use super::placed::{check_body, georeference};
 use super::reader::Reader;

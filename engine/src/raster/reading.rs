@@ -7,7 +7,6 @@
 use std::path::Path;
 
 use gdal::raster::{ColorInterpretation, GdalDataType, RasterBand};
-use gdal::spatial_ref::SpatialRef;
 use gdal::{Dataset, Metadata};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -206,17 +205,6 @@ fn written_unit(path: &Path, dataset: &Dataset, band: &RasterBand) -> String {
     };
     let of_band = Some(band.unit()).filter(|unit| !unit.is_empty());
     of_band.or_else(in_metadata).or_else(in_label).unwrap_or_default()
-}
-
-/// The unit of heights of a compound coordinate system; where a file keeps no more of it than its name, as in
-/// `… + NAVD88 height (ft)`, the unit of the name.
-pub(super) fn height_unit_m(crs: &SpatialRef) -> Option<f64> {
-    if crs.is_compound() {
-        return crs.get_attr_value("VERT_CS|UNIT", 1).ok().flatten()?.parse().ok();
-    }
-    let name = crs.name()?;
-    let (_, unit) = name.split_once("height (")?;
-    metres_in(unit.split_once(')')?.0)
 }
 
 /// The band to read: the one asked for, or the only one beside a mask.

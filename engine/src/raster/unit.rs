@@ -1,5 +1,7 @@
 //! Units of lengths as files write them.
 
+use gdal::spatial_ref::SpatialRef;
+
 /// Metres in a unit of length, whatever the case of its letters; `None`: it is none that is known.
 pub fn metres_in(unit: &str) -> Option<f64> {
     let plain: String = unit.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
@@ -16,6 +18,17 @@ pub fn metres_in(unit: &str) -> Option<f64> {
         "mi" | "mile" | "miles" => 1609.344,
         _ => return None,
     })
+}
+
+/// The unit of heights of a compound coordinate system; where a file keeps no more of it than its name, as in
+/// `… + NAVD88 height (ft)`, the unit of the name.
+pub fn height_unit_m(crs: &SpatialRef) -> Option<f64> {
+    if crs.is_compound() {
+        return crs.get_attr_value("VERT_CS|UNIT", 1).ok().flatten()?.parse().ok();
+    }
+    let name = crs.name()?;
+    let (_, unit) = name.split_once("height (")?;
+    metres_in(unit.split_once(')')?.0)
 }
 
 /// Shares of 1 in a unit of a share.
