@@ -20,3 +20,4 @@ mod scenario;
 mod shadows;
 mod sweep;
 mod terrain;
+mod text_input;

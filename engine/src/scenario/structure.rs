@@ -3,6 +3,8 @@
 //! `ron` stops at the first fault and forgets the places of what it has read. This check finds all faults of a file
 //! at once, and reads the allowed ranges from the schema, so that each stands only once, beside its field.
 
+use std::collections::HashSet;
+
 use schemars::Schema;
 use serde_json::Value as Json;
 
@@ -15,12 +17,18 @@ pub fn schema() -> Schema {
     schemars::schema_for!(Spec)
 }
 
-/// All faults of structure.
+/// Problems that are told one by one.
+const TOLD: usize = 100;
+
+/// The first hundred faults of structure, and how many there are beyond.
 pub fn check(tree: &Node) -> Vec<Problem> {
     let schema = schema();
     let root = schema.as_value();
-    let mut check = Check { definitions: root.get("$defs"), problems: Vec::new() };
+    let mut check = Check { definitions: root.get("$defs"), problems: Vec::new(), more: None };
     check.node(root, tree, "");
+    if let Some((place, count)) = check.more {
+        check.problems.push(Problem { place, key: String::new(), fault: Fault::More { count } });
+    }
     check.problems
 }
 
@@ -50,11 +58,17 @@ pub fn unit(key: &str) -> &'static str {
 struct Check<'a> {
     definitions: Option<&'a Json>,
     problems: Vec<Problem>,
+    /// Where the first stands that is not told, and how many are not.
+    more: Option<(TextPosition, usize)>,
 }
 
 impl<'a> Check<'a> {
     fn report(&mut self, place: TextPosition, key: &str, fault: Fault) {
-        self.problems.push(Problem { place, key: key.into(), fault });
+        match &mut self.more {
+            Some((_, count)) => *count += 1,
+            None if self.problems.len() == TOLD => self.more = Some((place, 1)),
+            None => self.problems.push(Problem { place, key: key.into(), fault }),
+        }
     }
 
     fn node(&mut self, schema: &'a Json, node: &Node, key: &str) {
@@ -116,13 +130,14 @@ impl<'a> Check<'a> {
             let expected = if needed.is_empty() { "(…)".into() } else { format!("({})", needed.join(", ")) };
             return self.wrong_type(node, key, &expected);
         };
-        for (index, field) in fields.iter().enumerate() {
-            if fields[..index].iter().any(|earlier| earlier.key == field.key) {
+        let mut keys = HashSet::new();
+        for field in fields {
+            if !keys.insert(field.key.as_str()) {
                 self.report(field.place, &join(key, &field.key), Fault::WrittenTwice);
             }
             self.field(schema, field, key);
         }
-        for name in required(schema).filter(|name| fields.iter().all(|field| field.key != *name)) {
+        for name in required(schema).filter(|name| !keys.contains(name)) {
             self.report(node.place, &join(key, name), Fault::Missing);
         }
     }
@@ -132,6 +147,10 @@ impl<'a> Check<'a> {
         let key = join(parent, &field.key);
         match properties.get(&field.key) {
             Some(property) => self.node(property, &field.node, &key),
+            // Only counted: to look for a near name would take most of the time.
+            None if self.more.is_some() => {
+                self.report(field.place, &key, Fault::UnknownKey { near: None, allowed: Vec::new() });
+            }
             None => {
                 let allowed: Vec<String> = properties.keys().cloned().collect();
                 let near = near(&field.key, &allowed);
