@@ -53,6 +53,7 @@ pub(crate) fn ground(
 ) -> Result<Ground, Error> {
     let file = |dem: &Dem| scenario::Dem::File {
         path: dem.path.clone(),
+        reading: perilune_engine::raster::Reading::default(),
         values: scenario::Values::Auto,
         posting_m: dem.posting_m,
         extent_m: dem.extent_m,

@@ -8,6 +8,7 @@
 //! Whatever can fail for the user's sake fails before the first exposure: kernels, epochs, poses and terrain are
 //! ready when the horizons begin.
 
+mod albedo_map;
 mod applicability;
 pub mod auto;
 mod camera_record;
@@ -92,7 +93,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    scenario.notes.iter().for_each(|note| progress.say(note));
+    scenario.notes.iter().chain(&ground.findings).for_each(|note| progress.say(note));
     applicability::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
@@ -128,8 +129,10 @@ pub fn build_scene(
     let Prepared { ground, exposures, shadows: choice, .. } = prepared;
     let albedo = match &scenario.albedo {
         Albedo::Constant(_) => None,
-        Albedo::Map(path) | Albedo::SingleScattering(path) => {
-            Some(ground::albedo(&ground.surface, path, scene::albedo_scale(scenario))?)
+        Albedo::Map(path, reading) | Albedo::SingleScattering(path, reading) => {
+            let map = ground::albedo(&ground.surface, path, reading, scene::albedo_scale(scenario))?;
+            map.findings.iter().for_each(|finding| progress.say(finding));
+            Some(map.values)
         }
     };
     if let Some(albedo) = &albedo {

@@ -8,6 +8,7 @@ mod camera;
 mod ephemeris;
 mod horizon;
 mod illuminate;
+mod inputs;
 mod inspect;
 mod labels;
 mod light;

@@ -9,7 +9,7 @@ use crate::camera::PosedCamera;
 use crate::dataset;
 use crate::photometry::Reflectance;
 use crate::pipeline::{self, Progress, ground};
-use crate::raster::Picture;
+use crate::raster::{self, Picture};
 use crate::render::{AlbedoRole, Scene};
 use crate::scenario;
 
@@ -49,7 +49,7 @@ fn of_file(
     let mut ground = ground::surface(Some(&terrain), &geometry.body, &request.cache, progress)?;
     // A map holds normal albedos; it multiplies Hapke's law as it is.
     let scale = if matches!(main.reflectance, Reflectance::Hapke(_)) { 1.0 } else { 1.0 / NORMAL_ALBEDO };
-    let map = |path| ground::albedo(&ground.surface, path, scale);
+    let map = |path| Ok::<_, Error>(ground::albedo(&ground.surface, path, &raster::Reading::default(), scale)?.values);
     let albedo = request.albedo.as_deref().map(map).transpose()?;
     if let Some(albedo) = &albedo {
         ground::open_gaps(&mut ground.surface, albedo);
@@ -83,6 +83,7 @@ fn of_exposure(
     if !request.dems.is_empty() {
         let file = |path: &PathBuf| scenario::Dem::File {
             path: path.clone(),
+            reading: raster::Reading::default(),
             values: scenario::Values::Auto,
             posting_m: None,
             extent_m: None,
@@ -94,7 +95,7 @@ fn of_exposure(
         return Err(Error::NoDem { path });
     }
     if let Some(map) = &request.albedo {
-        scenario.albedo = scenario::Albedo::Map(map.clone());
+        scenario.albedo = scenario::Albedo::Map(map.clone(), raster::Reading::default());
     }
     let mut prepared = pipeline::prepare(&scenario, &request.cache, progress)?;
     let scene = pipeline::build_scene(&scenario, &mut prepared, &request.cache, progress)?;

@@ -52,6 +52,7 @@ pub fn footprint_terrain(geometry: &Geometry, dems: &[PathBuf]) -> Option<scenar
     let centre = geometry.body.geodetic_from_position(Position::from_m(middle * radius_m));
     let file = |path: &PathBuf| scenario::Dem::File {
         path: path.clone(),
+        reading: crate::raster::Reading::default(),
         values: scenario::Values::Auto,
         posting_m: None,
         extent_m: Some(extent_m),

@@ -269,8 +269,8 @@ fn main_trial(request: &Request) -> Result<Trial, Error> {
 fn albedo_map(request: &Request) -> Option<PathBuf> {
     let own = match &request.geometry {
         GeometrySource::Scenario { scenario, .. } => match &scenario.albedo {
-            scenario::Albedo::Map(path) => Some(path.clone()),
-            scenario::Albedo::Constant(_) | scenario::Albedo::SingleScattering(_) => None,
+            scenario::Albedo::Map(path, _) => Some(path.clone()),
+            scenario::Albedo::Constant(_) | scenario::Albedo::SingleScattering(..) => None,
         },
         GeometrySource::File(_) => None,
     };

@@ -9,7 +9,6 @@ use super::{
 use crate::ephemeris::{Almanac, BodyFrame};
 use crate::geometry::{Body, Geodetic};
 use crate::labels::{Origin, catalogue};
-use crate::raster;
 use crate::scenario::{Albedo, CraterList, Dem, Scenario};
 use crate::terrain::{Surface, Terrain};
 
@@ -33,9 +32,11 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     problems.extend(points.iter().filter_map(|point| scene::detector(point).err()).take(1));
     problems.extend(scene::disk(scenario).err());
     problems.extend(points.iter().filter_map(|point| scene::reflectance(point).err()).take(1));
-    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
-        let options = raster::Options { values: raster::Values::Height, ..Default::default() };
-        problems.extend(raster::Dem::open(path, &scenario.body, &options).map_err(Error::from).err());
+    if let Albedo::Map(path, reading) | Albedo::SingleScattering(path, reading) = &scenario.albedo {
+        match ground::look_at_albedo(path, reading, &scenario.body) {
+            Ok(findings) => checked.warnings.extend(findings),
+            Err(error) => problems.push(error),
+        }
     }
     for list in scenario.landmarks.iter().flat_map(|landmarks| &landmarks.lists) {
         if let CraterList::File(path) = list {
@@ -44,7 +45,8 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
-    checked.warnings = applicability::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface));
+    checked.warnings.extend(ground.iter().flat_map(|ground| ground.findings.clone()));
+    checked.warnings.extend(applicability::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface)));
     let loaded = Almanac::load_sources(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));

@@ -37,7 +37,7 @@ pub use selection::Selection;
 use super::{Error, Progress};
 use crate::geometry::Body;
 use crate::horizon::{self, Encoding, HorizonMap, Memory, Request, Settings, header, store};
-use crate::raster::{self, Values};
+use crate::raster::{self, Reading, Values};
 use crate::terrain::quadtree::{QuadTree, TileId};
 use crate::terrain::{GlobalDem, build_tile};
 
@@ -85,7 +85,8 @@ impl Globe {
     /// Looks through the model, and at what the folder holds.
     pub fn open(body: &Body, options: &Options, progress: &dyn Progress) -> Result<Self, Error> {
         progress.begin("reading the model", 1, "file");
-        let dem = GlobalDem::open(&options.dem, body, options.values)?;
+        let dem = GlobalDem::open(&options.dem, body, &Reading::default(), options.values)?;
+        dem.findings.iter().for_each(|finding| progress.say(finding));
         let tree = QuadTree::new(body, options.cells, options.posting_m.unwrap_or(dem.posting_m));
         let digest = raster::digest(&options.dem)?;
         let plan = Plan::new(&tree, &dem, digest, options.margin, options.settings, options.encoding);

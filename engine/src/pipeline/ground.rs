@@ -7,17 +7,18 @@ use std::sync::Arc;
 use super::globe::DrawnTiles;
 use super::{Error, Progress, terrain_key as key};
 
+pub use super::albedo_map::{albedo, look_at_albedo};
 pub use super::names::file_name;
 pub use super::tiles::{Tile, horizons};
 
 use crate::dataset::Input;
 use crate::files;
 use crate::geometry::{Body, Geodetic};
-use crate::raster::{self, Dem};
+use crate::raster::{self, Dem, Reading};
 use crate::scenario;
 use crate::terrain::build::MAX_NODES_PER_SIDE;
 use crate::terrain::synthetic::{self, Crater, Detail, Parameters};
-use crate::terrain::{Face, Gnomonic, Level, NestedDem, Surface, Terrain, build_cube, build_face};
+use crate::terrain::{Face, NestedDem, Surface, Terrain, build_cube, build_face};
 
 /// How far beyond its edges a cube's face looks for terrain, on the map, of the distance from which the highest height is
 /// seen from the lowest over a smooth sphere. A map's metre at the edge is half a metre of ground.
@@ -30,6 +31,8 @@ pub struct Ground {
     /// The terrain's centre; the sub-solar geometry of records refers to it.
     pub centre: Geodetic,
     pub inputs: Vec<Input>,
+    /// What a user should know of the models' files, a line each.
+    pub findings: Vec<String>,
     /// One line a level.
     pub resampling: Vec<String>,
     /// Where the terrain is a globe, of which the surface shows a part.
@@ -46,7 +49,8 @@ pub fn surface(
     let Some(terrain) = terrain else {
         let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces: Vec::new() }));
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
-        return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new(), globe: None });
+        let (inputs, findings, resampling) = (Vec::new(), Vec::new(), Vec::new());
+        return Ok(Ground { surface, centre, inputs, findings, resampling, globe: None });
     };
     if let [scenario::Dem::Globe(written)] = &terrain.dems[..] {
         return globe(written, terrain.centre, body, progress);
@@ -59,9 +63,10 @@ pub fn surface(
     for (written, path) in terrain.dems.iter().zip(&paths) {
         dems.push(open(written, path, body, Some(centre), progress)?);
     }
-    let mut inputs = Vec::new();
+    let (mut inputs, mut findings) = (Vec::new(), Vec::new());
     for dem in &dems {
         let name = file_name(&dem.path);
+        findings.extend(dem.survey.findings.iter().map(|finding| format!("{name}: {finding}")));
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
     progress.begin("putting terrain onto its map", dems.len(), "elevation models");
@@ -69,7 +74,7 @@ pub fn surface(
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
     let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces }));
-    Ok(Ground { surface, centre, inputs, resampling, globe: None })
+    Ok(Ground { surface, centre, inputs, findings, resampling, globe: None })
 }
 
 /// A globe at its coarsest: what the cameras see of it is known once they have their places.
@@ -82,12 +87,14 @@ fn globe(
     progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
     let shown = DrawnTiles::open(body, written, written.values)?;
     let name = file_name(&written.path);
+    let findings = shown.dem.findings.iter().map(|finding| format!("{name}: {finding}")).collect();
     let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
-    let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
+    let centre = centre.map_or_else(|| Dem::middle(&written.path, &written.reading), Ok)?;
     Ok(Ground {
         surface: Arc::new(shown.surface()?),
         centre,
         inputs,
+        findings,
         resampling: Vec::new(),
         globe: Some(Box::new(shown)),
     })
@@ -100,7 +107,7 @@ fn faces(
     dems: &[Dem],
 ) -> Result<(Vec<Face>, Vec<crate::terrain::ResamplingError>), Error> {
     if let [scenario::Dem::Cube { posting_m, .. }] = written {
-        let posting_m = posting_m.unwrap_or_else(|| own_posting_m(&dems[0]));
+        let posting_m = posting_m.unwrap_or_else(|| dems[0].georeference.posting_m());
         let margin_m = cube_margin_m(body, &dems[0]);
         let (faces, error) = build_cube(body, centre, &dems[0], posting_m, margin_m, MAX_NODES_PER_SIDE)?;
         return Ok((faces, vec![error]));
@@ -123,10 +130,6 @@ fn cube_margin_m(body: &Body, dem: &Dem) -> f64 {
     let [low, high] = known.fold([0.0f64; 2], |[low, high], height_m| [low.min(height_m), high.max(height_m)]);
     let radius_m = body.equatorial_radius_m;
     (CUBE_MARGIN * (2.0 * radius_m * (high - low)).sqrt()).min(radius_m)
-}
-
-fn own_posting_m(dem: &Dem) -> f64 {
-    dem.georeference.pixel_size() * dem.georeference.metres_per_unit()
 }
 
 /// The models' files, whether they are there or not. The name of a synthetic one holds all that shapes it: its
@@ -163,10 +166,25 @@ pub fn centre(terrain: &scenario::Terrain, paths: &[PathBuf]) -> Result<Geodetic
         None => {
             let is_detail = |dem: &&scenario::Dem| matches!(dem, scenario::Dem::Detail { .. });
             let invented = terrain.dems.iter().take_while(is_detail).count();
-            Ok(Dem::middle(&paths[invented])?)
+            let reading = terrain.dems.get(invented).and_then(reading_of).cloned().unwrap_or_default();
+            Ok(Dem::middle(&paths[invented], &reading)?)
         }
     }
 }
+
+/// What the user says of a model's file; `None`: it is made here.
+fn reading_of(dem: &scenario::Dem) -> Option<&Reading> {
+    match dem {
+        scenario::Dem::File { reading, .. } | scenario::Dem::Cube { reading, .. } => Some(reading),
+        scenario::Dem::Globe(globe) => Some(&globe.reading),
+        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => None,
+    }
+}
+
+/// Columns or rows of a model that may yet become a map of [`MAX_NODES_PER_SIDE`], which is told once it is read, and of one
+/// that may become a cube.
+const MOST_SIDE: usize = 2 * MAX_NODES_PER_SIDE;
+const MOST_SIDE_OF_CUBE: usize = 8 * MAX_NODES_PER_SIDE;
 
 /// Reads a model, or the part of it that its extent about the centre needs; all of it where there is no centre.
 pub fn open(
@@ -176,17 +194,19 @@ pub fn open(
     centre: Option<Geodetic>,
     progress: &dyn Progress,
 ) -> Result<Dem, Error> {
-    let (values, posting_m, extent_m) = match *written {
-        scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m),
-        scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None),
-        scenario::Dem::Globe(scenario::Globe { values, posting_m, .. }) => (values, posting_m, None),
-        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (raster::Values::Height, None, None),
+    let (values, posting_m, extent_m, most_side) = match *written {
+        scenario::Dem::File { values, posting_m, extent_m, .. } => (values, posting_m, extent_m, Some(MOST_SIDE)),
+        scenario::Dem::Cube { values, posting_m, .. } => (values, posting_m, None, Some(MOST_SIDE_OF_CUBE)),
+        scenario::Dem::Globe(scenario::Globe { values, posting_m, .. }) => (values, posting_m, None, None),
+        scenario::Dem::Synthetic { .. } | scenario::Dem::Detail { .. } => (raster::Values::Height, None, None, None),
     };
+    let reading = reading_of(written).cloned().unwrap_or_default();
     progress.begin(&format!("reading {}", file_name(path)), 1, "file");
     // The map may be turned: the square's corners can lie in any direction.
     let around =
         centre.zip(extent_m).map(|(centre, extent_m)| raster::Around { centre, distance_m: extent_m * SQRT_2 / 2.0 });
-    Ok(Dem::open(path, body, &raster::Options { values, posting_m, around, ..Default::default() })?)
+    let options = raster::Options { reading, values, posting_m, around, most_side, ..Default::default() };
+    Ok(Dem::open(path, body, &options)?)
 }
 
 fn synthetic_parameters(written: &scenario::Dem) -> Option<Parameters> {
@@ -265,21 +285,6 @@ fn keep(craters: &[Crater], path: &Path, write: &dyn Fn(&Path) -> Result<(), syn
     let text = synthetic::craters_csv(craters);
     files::write(&list, text.as_bytes()).map_err(|source| Error::Unwritable { path: list, source })?;
     Ok(write(path)?)
-}
-
-/// Values of an albedo map on the nodes of all levels, by face, times `scale`; NaN where the map has none.
-pub fn albedo(surface: &Surface, path: &Path, scale: f64) -> Result<Vec<Vec<Vec<f32>>>, Error> {
-    let Terrain { body, faces } = &surface.terrain;
-    let options = raster::Options { values: raster::Values::Height, ..Default::default() };
-    let map = Dem::open(path, body, &options)?;
-    let projector = map.georeference.projector()?;
-    let values = |gnomonic: &Gnomonic, level: &Level| -> Vec<f32> {
-        let node = |index: usize| level.lifted_node(index % level.columns, index / level.columns);
-        let points: Vec<_> = (0..level.heights_m.len()).map(|index| gnomonic.body_from_lifted(node(index))).collect();
-        projector.pixels(&points).into_iter().map(|pixel| (scale * map.bilinear_m(pixel)) as f32).collect()
-    };
-    let of_face = |face: &Face| face.levels.iter().map(|level| values(&face.map, level)).collect();
-    Ok(faces.iter().map(of_face).collect())
 }
 
 /// Makes nodes where a map has no value gaps of a surface, which whoever holds it already does not see.

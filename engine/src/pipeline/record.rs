@@ -261,8 +261,8 @@ fn inputs(scenario: &Scenario, run: &Run) -> InputRecords {
         kernels: of("kernel").iter().map(|input| input.name.clone()).collect(),
         albedo: match &scenario.albedo {
             Albedo::Constant(albedo) => format!("constant {albedo}"),
-            Albedo::Map(path) => file_name(path),
-            Albedo::SingleScattering(path) => format!("{} (single scattering)", file_name(path)),
+            Albedo::Map(path, _) => file_name(path),
+            Albedo::SingleScattering(path, _) => format!("{} (single scattering)", file_name(path)),
         },
     }
 }

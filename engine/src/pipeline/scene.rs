@@ -174,15 +174,15 @@ pub fn albedo_scale(scenario: &Scenario) -> f64 {
 
 pub fn albedo_role(scenario: &Scenario) -> AlbedoRole {
     match scenario.albedo {
-        Albedo::SingleScattering(_) => AlbedoRole::SingleScattering,
-        Albedo::Constant(_) | Albedo::Map(_) => AlbedoRole::Factor,
+        Albedo::SingleScattering(..) => AlbedoRole::SingleScattering,
+        Albedo::Constant(_) | Albedo::Map(..) => AlbedoRole::Factor,
     }
 }
 
 pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     let normal_albedo = match &scenario.albedo {
         Albedo::Constant(albedo) => *albedo,
-        Albedo::Map(_) | Albedo::SingleScattering(_) => SCALED_ALBEDO,
+        Albedo::Map(..) | Albedo::SingleScattering(..) => SCALED_ALBEDO,
     };
     let empirical = |disc| match scenario.phase_function {
         PhaseFunction::Moon => Reflectance::lunar(normal_albedo, disc),

@@ -5,6 +5,7 @@
 
 use crate::digest::sha256_hex;
 use crate::geometry::{Body, Geodetic};
+use crate::raster::Reading;
 use crate::scenario::{Dem, Globe, Values};
 use crate::terrain::synthetic::{Parameters, Projection};
 
@@ -86,10 +87,10 @@ pub fn of_detail(body: &Body, detail: &Dem, continued: Option<&Dem>, digest: Opt
 fn of_dem(dem: &Dem) -> String {
     let size = |size_m: &Option<f64>| option(size_m.map(number));
     match dem {
-        Dem::File { path, values, posting_m, extent_m } => record(
+        Dem::File { path, reading, values, posting_m, extent_m } => record(
             "File",
             &[
-                ("path", format!("{path:?}")),
+                ("path", format!("{path:?}") + &of_reading(reading)),
                 ("values", of_values(*values).into()),
                 ("posting_m", size(posting_m)),
                 ("extent_m", size(extent_m)),
@@ -116,9 +117,13 @@ fn of_dem(dem: &Dem) -> String {
                 ("boulders_per_km2", number(*boulders_per_km2)),
             ],
         ),
-        Dem::Cube { path, values, posting_m } => record(
+        Dem::Cube { path, reading, values, posting_m } => record(
             "Cube",
-            &[("path", format!("{path:?}")), ("values", of_values(*values).into()), ("posting_m", size(posting_m))],
+            &[
+                ("path", format!("{path:?}") + &of_reading(reading)),
+                ("values", of_values(*values).into()),
+                ("posting_m", size(posting_m)),
+            ],
         ),
         Dem::Globe(globe) => format!("Globe({})", of_globe(globe)),
     }
@@ -128,7 +133,7 @@ fn of_globe(globe: &Globe) -> String {
     record(
         "Globe",
         &[
-            ("path", format!("{:?}", globe.path)),
+            ("path", format!("{:?}", globe.path) + &of_reading(&globe.reading)),
             ("values", of_values(globe.values).into()),
             ("posting_m", option(globe.posting_m.map(number))),
             ("tiles", option(globe.tiles.as_ref().map(|tiles| format!("{tiles:?}")))),
@@ -136,6 +141,23 @@ fn of_globe(globe: &Globe) -> String {
             ("most_tiles", globe.most_tiles.to_string()),
         ],
     )
+}
+
+/// Nothing where the file alone says how it is read, as in version 0.1.
+fn of_reading(reading: &Reading) -> String {
+    if *reading == Reading::default() {
+        return String::new();
+    }
+    let Reading { band, nodata, scale, offset, unit, crs } = reading;
+    let members = [
+        ("band", option(band.map(|band| band.to_string()))),
+        ("nodata", option(nodata.map(number))),
+        ("scale", option(scale.map(number))),
+        ("offset", option(offset.map(number))),
+        ("unit", option(unit.as_ref().map(|unit| format!("{unit:?}")))),
+        ("crs", option(crs.as_ref().map(|crs| format!("{crs:?}")))),
+    ];
+    format!(", reading: {}", record("Reading", &members))
 }
 
 fn of_values(values: Values) -> &'static str {
@@ -162,7 +184,9 @@ mod tests {
                 "Some(Parameters { columns: 513, rows: 257, posting_m: 0.625, seed: 7, centre: Geodetic { "
             )
         );
-        let dem = Dem::File { path: "a b.tif".into(), values: Values::Auto, posting_m: None, extent_m: Some(2e3) };
+        let reading = Reading::default();
+        let dem =
+            Dem::File { path: "a b.tif".into(), reading, values: Values::Auto, posting_m: None, extent_m: Some(2e3) };
         let file = "File { path: \"a b.tif\", values: Auto, posting_m: None, extent_m: Some(2000.0) }";
         assert_eq!(of_dem(&dem), file);
     }
@@ -172,13 +196,15 @@ mod tests {
     fn texts_are_those_that_were_derived() {
         let (body, centre) = (Body::moon(), Some(Geodetic::from_degrees(-87.0, 3.1, 0.5)));
         let parameters = Parameters::highland(12, 13, 1.5, 3);
+        let said = || Reading { band: Some(2), nodata: Some(-1e-7), unit: Some("km".into()), ..Reading::default() };
         assert_eq!(of_body(&body), format!("{body:?}"));
         assert_eq!(of_parameters(Some(&parameters)), format!("{:?}", Some(parameters)));
         let dems = [
             Dem::Detail { posting_m: 0.1, extent_m: 50.0, centre, seed: 3, craters: 1.0, boulders_per_km2: 1e-7 },
-            Dem::Cube { path: "c.tif".into(), values: Values::Radius, posting_m: Some(100.0) },
+            Dem::Cube { path: "c.tif".into(), reading: said(), values: Values::Radius, posting_m: Some(100.0) },
             Dem::Globe(Globe {
                 path: "g.tif".into(),
+                reading: said(),
                 values: Values::Height,
                 posting_m: None,
                 tiles: Some("tiles".into()),

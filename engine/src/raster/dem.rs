@@ -1,11 +1,11 @@
 //! Elevation models as heights above a body's reference spheroid.
 //!
 //! Any raster that GDAL opens, in any projected or geographic CRS of the body. Stored values become
-//! metres by the band's scale and offset; a mask, a nodata value, NaN and ±∞ become NaN, and so does
-//! −32768 in a 16-bit band that declares no nodata value.
+//! metres by the band's scale, offset and unit; a mask, a nodata value, NaN and ±∞ become NaN, and so do missing blocks,
+//! −32768 in a 16-bit band that declares no nodata value and the special pixels of ISIS. What the body cannot have is refused.
 //!
 //! # Assumptions
-//! Heights refer to the body's reference spheroid. Those of Mars usually refer to the areoid, which
+//! Heights refer to the body's reference spheroid, or to the sphere of their CRS where body and CRS are spheres. Those of Mars usually refer to the areoid, which
 //! differs from it by up to some km over a hemisphere, but by metres over a scene. Radii have no such doubt.
 
 use std::fmt;
@@ -13,33 +13,14 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
-use gdal::Dataset;
-use gdal::raster::{GdalDataType, RasterBand};
-
-use super::reader::{Reader, Values};
-use super::window::{Around, Window, check_window, needed, part, reduction};
-use super::{Error, Georeference, keep_gdal_quiet};
+use super::access::open_dataset;
+use super::look::look;
+use super::options::Options;
+use super::placed::georeference;
+use super::reading::Reading;
+use super::survey::Survey;
+use super::{Error, Georeference};
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
-
-/// How to read an elevation model.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Options {
-    /// Counted from 1; needed where there are several.
-    pub band: Option<usize>,
-    pub values: Values,
-    /// Read these pixels only.
-    pub window: Option<Window>,
-    /// Of these, only those that are needed for the ground around a place.
-    pub around: Option<Around>,
-    /// The posting it will be used at. Pixels are averaged n × n while reading, n = ⌊posting/pixel⌋, so
-    /// that a coarse grid holds means and not a random choice of samples.
-    pub posting_m: Option<f64>,
-    /// Accept a CRS whose body has another radius.
-    pub any_body: bool,
-}
-
-/// Columns of a file that are looked through at a time.
-const STRIP_COLUMNS: usize = 4096;
 
 /// Heights on the pixels of a map.
 #[derive(Clone, PartialEq)]
@@ -50,6 +31,8 @@ pub struct Dem {
     pub rows: usize,
     /// Metres above the body's reference spheroid, NaN where there is no data; row 0 first in the file.
     pub heights_m: Vec<f32>,
+    /// What was found while it was read.
+    pub survey: Survey,
     pub(super) seams: Seams,
 }
 
@@ -74,82 +57,36 @@ pub(super) struct Pole {
 impl Dem {
     pub fn open(path: &Path, body: &Body, options: &Options) -> Result<Self, Error> {
         let mut heights_m = Vec::new();
-        let (georeference, columns, rows) =
-            Self::read_rows(path, body, options, |reader, row| reader.read_row(row, &mut heights_m))?;
-        if heights_m.iter().all(|height| height.is_nan()) {
-            return Err(Error::AllNodata { path: path.into() });
-        }
-        let mut dem = Self { path: path.into(), georeference, columns, rows, heights_m, seams: Seams::default() };
+        let found = look(path, body, options, Some(&mut heights_m))?;
+        let (georeference, columns, rows) = (found.georeference, found.columns, found.rows);
+        let survey = found.survey;
+        let mut dem =
+            Self { path: path.into(), georeference, columns, rows, heights_m, survey, seams: Seams::default() };
         dem.seams = dem.find_seams()?;
         Ok(dem)
     }
 
-    /// Hands each row of what the options ask for to `read`; tells where it lies and its size.
-    fn read_rows(
-        path: &Path,
-        body: &Body,
-        options: &Options,
-        mut read: impl FnMut(&mut Reader, usize) -> Result<(), Error>,
-    ) -> Result<(Georeference, usize, usize), Error> {
-        keep_gdal_quiet();
-        let dataset = open_dataset(path)?;
-        let band = choose_band(path, &dataset, options.band)?;
-        let window = check_window(path, dataset.raster_size(), options.window)?;
-        let whole = georeference(path, &dataset)?;
-        check_body(path, &whole, body, options.any_body)?;
-
-        let reduction = reduction(&whole, window, options.posting_m);
-        let window = match options.around {
-            Some(around) => needed(&whole, body, window, reduction, around)?,
-            None => window,
-        };
-        let (columns, rows) = (window.columns / reduction, window.rows / reduction);
-        let reduced = Georeference::new(&whole.wkt, part(whole.geotransform, window, reduction), columns)?;
-        let projector = whole.projector()?;
-        let (values, masked) = (options.values, Vec::new());
-        let mut reader = Reader { path, band, body, values, window, reduction, whole: &whole, projector, masked };
-        for row in 0..rows {
-            read(&mut reader, row)?;
-        }
-        Ok((reduced, columns, rows))
+    /// Looks through a file, which is not kept.
+    pub fn survey(path: &Path, body: &Body, options: &Options) -> Result<Survey, Error> {
+        Ok(look(path, body, options, None)?.survey)
     }
 
-    /// Lowest and highest height of a file, which is looked through and not kept.
-    pub fn extremes_m(path: &Path, body: &Body, options: &Options) -> Result<[f64; 2], Error> {
-        let mut extremes_m = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut heights_m = Vec::new();
-        keep_gdal_quiet();
-        let (columns, rows) = open_dataset(path)?.raster_size();
-        // Strips narrow enough that the blocks of a tiled file are read once.
-        let strips = columns.div_ceil(STRIP_COLUMNS);
-        for strip in 0..strips {
-            let [column, end] = [strip, strip + 1].map(|strip| strip * columns / strips);
-            let window = Some(Window { column, row: 0, columns: end - column, rows });
-            Self::read_rows(path, body, &Options { window, ..options.clone() }, |reader, row| {
-                heights_m.clear();
-                reader.read_row(row, &mut heights_m)?;
-                let known = heights_m.iter().map(|height_m| f64::from(*height_m)).filter(|height_m| !height_m.is_nan());
-                extremes_m = known.fold(extremes_m, |[low, high], height_m| [low.min(height_m), high.max(height_m)]);
-                Ok(())
-            })?;
-        }
-        if extremes_m[0] > extremes_m[1] { Err(Error::AllNodata { path: path.into() }) } else { Ok(extremes_m) }
+    /// How a file lies on its body, and its columns and rows. Its heights are not read.
+    pub fn lies(path: &Path, reading: &Reading) -> Result<(Georeference, [usize; 2]), Error> {
+        let dataset = open_dataset(path)?;
+        Ok((georeference(path, &dataset, reading.crs.as_deref())?, dataset.raster_size().into()))
     }
 
     /// The place in the middle of a file's pixels. Its heights are not read.
-    pub fn middle(path: &Path) -> Result<Geodetic, Error> {
-        keep_gdal_quiet();
-        let dataset = open_dataset(path)?;
-        let (columns, rows) = dataset.raster_size();
+    pub fn middle(path: &Path, reading: &Reading) -> Result<Geodetic, Error> {
+        let (georeference, [columns, rows]) = Self::lies(path, reading)?;
         let pixel = (DVec2::new(columns as f64, rows as f64) - 1.0) / 2.0;
-        Ok(Geodetic { height_m: 0.0, ..georeference(path, &dataset)?.projector()?.geodetics(&[pixel])[0] })
+        Ok(Geodetic { height_m: 0.0, ..georeference.projector()?.geodetics(&[pixel])[0] })
     }
 
     /// Distance of a file's pixels, along a meridian where they are angles.
-    pub fn posting_m(path: &Path) -> Result<f64, Error> {
-        keep_gdal_quiet();
-        let georeference = georeference(path, &open_dataset(path)?)?;
-        Ok(georeference.pixel_size() * georeference.metres_per_unit())
+    pub fn posting_m(path: &Path, reading: &Reading) -> Result<f64, Error> {
+        Ok(Self::lies(path, reading)?.0.posting_m())
     }
 
     /// Points of the surface at pixel coordinates; at the mean height where there is no data.
@@ -212,56 +149,6 @@ impl fmt::Debug for Dem {
         let Self { path, columns, rows, georeference, .. } = self;
         write!(f, "Dem {{ {path:?}, {columns} x {rows}, {georeference:?}, .. }}")
     }
-}
-
-pub(super) fn open_dataset(path: &Path) -> Result<Dataset, Error> {
-    Dataset::open(path).map_err(|source| match std::fs::metadata(path) {
-        Err(source) => Error::File { path: path.into(), source },
-        Ok(found) if found.is_dir() => Error::Directory { path: path.into() },
-        Ok(_) => Error::NotARaster { path: path.into(), source },
-    })
-}
-
-pub(super) fn choose_band<'a>(
-    path: &Path,
-    dataset: &'a Dataset,
-    wanted: Option<usize>,
-) -> Result<RasterBand<'a>, Error> {
-    let bands = dataset.raster_count();
-    let band = match (bands, wanted) {
-        (0, _) => return Err(Error::NoBand { path: path.into() }),
-        (1, None) => 1,
-        (_, None) => return Err(Error::ManyBands { path: path.into(), bands }),
-        (_, Some(band)) if (1..=bands).contains(&band) => band,
-        (_, Some(band)) => return Err(Error::NoSuchBand { path: path.into(), band, bands }),
-    };
-    let band = dataset.rasterband(band).map_err(|source| Error::Damaged { path: path.into(), source })?;
-    // The bindings know the real types only.
-    if band.band_type() == GdalDataType::Unknown {
-        return Err(Error::NotReal { path: path.into() });
-    }
-    Ok(band)
-}
-
-fn georeference(path: &Path, dataset: &Dataset) -> Result<Georeference, Error> {
-    let wkt = dataset.projection();
-    if wkt.is_empty() {
-        return Err(Error::NoCrs { path: path.into() });
-    }
-    let geotransform = dataset.geo_transform().map_err(|_| Error::NoGeotransform { path: path.into() })?;
-    let [_, a, b, _, c, d] = geotransform;
-    if !(a * d - b * c).is_normal() {
-        return Err(Error::NoGeotransform { path: path.into() });
-    }
-    Georeference::new(&wkt, geotransform, dataset.raster_size().0)
-}
-
-fn check_body(path: &Path, georeference: &Georeference, body: &Body, any: bool) -> Result<(), Error> {
-    let (got_m, expected_m) = (georeference.figure.equatorial_radius_m, body.equatorial_radius_m);
-    if any || (got_m / expected_m - 1.0).abs() <= 1e-3 {
-        return Ok(());
-    }
-    Err(Error::OtherBody { path: path.into(), body: body.name.clone(), got_m, expected_m })
 }
 
 /// Whether columns run once around the body and meet.

@@ -7,12 +7,13 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::Error;
+use super::access::file_of;
 
-/// The SHA-256 of a file's bytes as 64 lower-case hexadecimal digits.
+/// The SHA-256 of a file's bytes, or of those of the file that a name lies within, as 64 lower-case hexadecimal digits.
 pub fn digest(path: &Path) -> Result<String, Error> {
     let failed = |source| Error::File { path: path.into(), source };
     let mut hash = Sha256::new();
-    io::copy(&mut File::open(path).map_err(failed)?, &mut hash).map_err(failed)?;
+    io::copy(&mut File::open(file_of(path)).map_err(failed)?, &mut hash).map_err(failed)?;
     Ok(crate::digest::hex(&hash.finalize()))
 }
 

@@ -9,7 +9,8 @@
 //! 0.5. GDAL's affine transform refers to pixel corners, also for files whose samples are points
 //! (`AREA_OR_POINT=Point`, which GDAL shifts by half a pixel), so that one rule serves both.
 //! Coordinates are (easting, northing) or (longitude, latitude) whatever axis order the authority of a
-//! CRS prescribes; west-positive longitudes and prime meridians other than the reference one are undone.
+//! CRS prescribes; a CRS's west-positive longitudes and prime meridians other than the reference one are undone. Labels of
+//! archives that count longitudes west are another matter, see `placed`.
 //!
 //! Latitude is measured on the CRS's own figure through the point in space: planetocentric where the
 //! CRS is a sphere, planetographic where it is a spheroid, whatever figure the body has (at 45° on Mars
@@ -24,7 +25,9 @@ use glam::{DMat2, DVec2};
 
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 
-use super::{Error, keep_gdal_quiet};
+use super::Error;
+use super::access::keep_gdal_quiet;
+use super::unit::height_unit_m;
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
 
 /// How a raster lies on its body.
@@ -38,6 +41,8 @@ pub struct Georeference {
     pub figure: Body,
     /// Columns once around the body, where columns run around it.
     pub period_columns: Option<f64>,
+    /// Metres in the unit of heights, where the CRS says it.
+    pub height_unit_m: Option<f64>,
     /// The raster's middle, to which periodic columns are counted nearest.
     middle_column: f64,
     longitude: Longitude,
@@ -58,6 +63,11 @@ impl Georeference {
         keep_gdal_quiet();
         let failed = |source| Error::Crs { definition: definition.into(), source };
         let crs = traditional(SpatialRef::from_definition(definition).map_err(failed)?);
+        let height_unit_m = height_unit_m(&crs);
+        if crs.is_compound() {
+            // SAFETY: the handle belongs to `crs`, which nothing else refers to.
+            unsafe { gdal_sys::OSRStripVertical(crs.to_c_hsrs()) };
+        }
         let figure = Body {
             name: crs.name().unwrap_or_default(),
             naif_id: 0,
@@ -70,6 +80,7 @@ impl Georeference {
             geotransform,
             figure,
             period_columns: None,
+            height_unit_m,
             middle_column: (columns as f64 - 1.0) / 2.0,
             longitude: Longitude::of(&geographic),
         };
@@ -101,6 +112,11 @@ impl Georeference {
     pub fn metres_per_unit(&self) -> f64 {
         let crs = SpatialRef::from_wkt(&self.wkt).expect("this WKT came from GDAL");
         if crs.is_geographic() { crs.angular_units() * self.figure.equatorial_radius_m } else { crs.linear_units() }
+    }
+
+    /// Distance of pixels, along a meridian where they are angles.
+    pub fn posting_m(&self) -> f64 {
+        self.pixel_size() * self.metres_per_unit()
     }
 
     fn linear(&self) -> DMat2 {
@@ -247,4 +263,25 @@ fn transform(transform: &CoordTransform, x: &mut [f64], y: &mut [f64]) {
 
 fn finite(at: DVec2) -> DVec2 {
     if at.is_finite() { at } else { DVec2::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The international foot is 0.3048 m; horizontally nothing changes.
+    #[test]
+    fn the_vertical_part_of_a_system_gives_the_unit_of_heights() {
+        let flat = SpatialRef::from_proj4("+proj=stere +lat_0=-90 +R=1737400 +units=m").unwrap().to_wkt().unwrap();
+        let vertical = "VERT_CS[\"height\",VERT_DATUM[\"sphere\",2005],UNIT[\"foot\",0.3048],AXIS[\"Up\",UP]]";
+        let geotransform = [0.0, 10.0, 0.0, 0.0, 0.0, -10.0];
+        let of = |wkt: &str| Georeference::new(wkt, geotransform, 10).unwrap();
+        let compound = of(&format!("COMPD_CS[\"both\",{flat},{vertical}]"));
+        assert_eq!((compound.height_unit_m, of(&flat).height_unit_m), (Some(0.3048), None));
+        let named = flat.replacen("PROJCS[\"unknown\"", "PROJCS[\"Moon polar + height (ft)\"", 1);
+        assert_eq!(of(&named).height_unit_m, Some(0.3048));
+        let place =
+            |georeference: &Georeference| georeference.projector().unwrap().geodetics(&[DVec2::new(5.0, 7.0)])[0];
+        assert_eq!(place(&compound), place(&of(&flat)));
+    }
 }

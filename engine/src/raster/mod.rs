@@ -4,24 +4,36 @@
 //! thread makes its own [`Projector`]. GDAL's messages go into the errors of this module, never to the
 //! terminal.
 
+mod access;
+mod coverage;
 mod dem;
 mod digest;
 mod error;
 mod georeference;
+mod look;
+mod options;
+mod parts;
 mod picture;
+mod placed;
 mod reader;
+mod reading;
 mod sample;
 mod summary;
+mod survey;
+mod unit;
 mod window;
 mod write;
 
-pub use dem::{Dem, Options};
+pub use access::Within;
+pub use dem::Dem;
 pub use digest::digest;
 pub use error::Error;
-use error::keep_gdal_quiet;
 pub use georeference::{Georeference, Projector};
+pub use options::Options;
 pub use picture::{Picture, notes};
-pub use reader::Values;
+pub use reading::{Content, Reading, Values};
 pub use summary::{Summary, summary};
+pub use survey::Survey;
+pub use unit::{LENGTHS, SHARES, metres_in, shares_in};
 pub use window::{Around, Window};
 pub use write::{GeoTiff, GeoTiffBand};

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 use gdal::Metadata;
 use gdal::raster::GdalDataType;
 
-use super::dem::{choose_band, open_dataset};
-use super::{Error, keep_gdal_quiet};
+use super::Error;
+use super::access::open_dataset;
+use super::parts::check_memory;
+use super::reading::choose_band;
+use super::window::Window;
 
 /// One band of a raster. Row 0 is the file's first.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,10 +26,10 @@ pub struct Picture {
 impl Picture {
     /// Reads a band, counted from 1; it must be named where there are several.
     pub fn open(path: &Path, band: Option<usize>) -> Result<Self, Error> {
-        keep_gdal_quiet();
         let dataset = open_dataset(path)?;
         let band = choose_band(path, &dataset, band)?;
         let (columns, rows) = dataset.raster_size();
+        check_memory(path, &band, Window { column: 0, row: 0, columns, rows }, 1)?;
         let damaged = |source| Error::Damaged { path: path.into(), source };
         let mut values = vec![0.0_f32; columns * rows];
         band.read_into_slice((0, 0), (columns, rows), (columns, rows), &mut values, None).map_err(damaged)?;
@@ -52,7 +55,6 @@ impl Picture {
 
 /// All that a raster says about itself in text, for instance which images it was made from.
 pub fn notes(path: &Path) -> Result<Vec<String>, Error> {
-    keep_gdal_quiet();
     let dataset = open_dataset(path)?;
     let mut notes = vec![dataset.description().unwrap_or_default()];
     for domain in dataset.metadata_domains() {

@@ -1,136 +1,97 @@
-//! Pixels of a file as heights.
+//! A band's stored numbers, NaN where the file or the user says that there are none.
 
 use std::path::Path;
 
 use gdal::errors::GdalError;
-use gdal::raster::{GdalDataType, GdalType, RasterBand};
-use glam::DVec2;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use gdal::raster::{GdalDataType, RasterBand};
 
+use super::Error;
+use super::coverage::{Knows, Rectangle, holes};
 use super::window::Window;
-use super::{Error, Georeference, Projector};
-use crate::geometry::{Body, Position};
 
-/// What the numbers of an elevation model are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-pub enum Values {
-    /// Heights, or radii where the numbers are near the body's radius.
-    #[default]
-    Auto,
-    /// Heights above the file's own ellipsoid.
-    Height,
-    /// Distances from the body's centre.
-    Radius,
-}
+/// Places along a side at which numbers are sampled, and the side of a sample.
+const PLACES: usize = 4;
+const SIDE: usize = 32;
 
-/// Reads a window of a band that may go on past the last column with the first.
-fn read_around<T: GdalType + Copy>(
-    band: &RasterBand,
-    (column, row): (isize, isize),
-    (columns, rows): (usize, usize),
-    values: &mut [T],
-) -> Result<(), GdalError> {
-    let before = columns.min((band.x_size() as isize - column) as usize);
-    if before == columns {
-        return band.read_into_slice((column, row), (columns, rows), (columns, rows), values, None);
-    }
-    for (column, from, columns_here) in [(column, 0, before), (0, before, columns - before)] {
-        let size = (columns_here, rows);
-        let part = band.read_as::<T>((column, row), size, size, None)?;
-        for (row, part) in part.data().chunks(columns_here).enumerate() {
-            values[row * columns + from..][..columns_here].copy_from_slice(part);
-        }
-    }
-    Ok(())
-}
+/// ISIS marks its special pixels (null, saturated) with the five lowest `f32`.
+const SPECIAL: f64 = -3.402_822e38;
 
-/// Reads rows as heights, one call of GDAL a row of the result.
+/// Reads rectangles of a band.
 pub struct Reader<'a> {
     pub path: &'a Path,
-    pub band: RasterBand<'a>,
-    pub body: &'a Body,
-    pub values: Values,
-    pub window: Window,
-    pub reduction: usize,
-    pub whole: &'a Georeference,
-    pub projector: Projector<'a>,
-    pub masked: Vec<u8>,
+    pub band: &'a RasterBand<'a>,
+    /// Besides what the file declares.
+    pub nodata: Option<f64>,
+    knows: Knows,
+    masked: Vec<u8>,
 }
 
-impl Reader<'_> {
-    /// Appends row `row` of the reduced window.
-    pub fn read_row(&mut self, row: usize, heights_m: &mut Vec<f32>) -> Result<(), Error> {
-        let n = self.reduction;
-        let first_row = self.window.row + row * n;
-        let mut values = self.read(first_row).map_err(|source| Error::Damaged { path: self.path.into(), source })?;
-        self.settle_meaning(&values)?;
-        if self.values == Values::Radius {
-            self.heights_from_radii(first_row, &mut values);
-        }
-        let columns = self.window.columns;
-        heights_m.extend((0..columns / n).map(|column| {
-            let block = (0..n).flat_map(|r| &values[r * columns + column * n..][..n]);
-            let (count, sum) = block.filter(|value| value.is_finite()).fold((0, 0.0), |(k, s), v| (k + 1, s + v));
-            if count == 0 { f32::NAN } else { (sum / f64::from(count)) as f32 }
-        }));
-        Ok(())
+impl<'a> Reader<'a> {
+    pub fn new(path: &'a Path, band: &'a RasterBand<'a>, knows: Knows, nodata: Option<f64>) -> Self {
+        Self { path, band, nodata, knows, masked: Vec::new() }
     }
 
-    /// `reduction` rows of scaled values, NaN where masked.
-    fn read(&mut self, first_row: usize) -> Result<Vec<f64>, GdalError> {
-        let size = (self.window.columns, self.reduction);
-        let origin = (self.window.column as isize, first_row as isize);
-        let mut values = vec![0.0; size.0 * size.1];
-        let unmasked = self.band.mask_flags()?.is_all_valid();
-        read_around(&self.band, origin, size, &mut values)?;
-        if !unmasked {
-            self.masked.resize(values.len(), 0);
-            read_around(&self.band.open_mask_band()?, origin, size, &mut self.masked)?;
+    /// The numbers of a rectangle, row by row; `None` where the file holds nothing for all of it.
+    pub fn read(&mut self, rectangle: Rectangle) -> Result<Option<Vec<f64>>, Error> {
+        let mut empty = Vec::new();
+        holes(self.band, self.knows, rectangle, &mut |hole| empty.push(hole));
+        let missing: usize = empty.iter().map(|hole| hole.columns * hole.rows).sum();
+        if missing == rectangle.columns * rectangle.rows {
+            return Ok(None);
         }
-        let (scale, offset) = (self.band.scale().unwrap_or(1.0), self.band.offset().unwrap_or(0.0));
-        let sentinel = self.band.band_type() == GdalDataType::Int16 && unmasked;
-        for (index, value) in values.iter_mut().enumerate() {
-            let missing = !unmasked && self.masked[index] == 0 || sentinel && *value == f64::from(i16::MIN);
-            *value = if missing || !value.is_finite() { f64::NAN } else { offset + scale * *value };
+        let damaged = |source| Error::Damaged { path: self.path.into(), source };
+        let is_whole = self.band.mask_flags().map_err(damaged)?.is_all_valid();
+        let mut stored = self.stored(rectangle, is_whole).map_err(damaged)?;
+        for hole in empty {
+            for row in hole.row - rectangle.row..hole.row - rectangle.row + hole.rows {
+                let first = row * rectangle.columns + hole.column - rectangle.column;
+                stored[first..first + hole.columns].fill(f64::NAN);
+            }
         }
-        Ok(values)
+        Ok(Some(stored))
     }
 
-    /// Decides at the first valid value what [`Values::Auto`] means.
-    fn settle_meaning(&mut self, values: &[f64]) -> Result<(), Error> {
-        let Some(&value) = values.iter().find(|value| value.is_finite()) else { return Ok(()) };
-        if self.values != Values::Auto {
-            return Ok(());
+    fn stored(&mut self, rectangle: Rectangle, is_whole: bool) -> Result<Vec<f64>, GdalError> {
+        let size = (rectangle.columns, rectangle.rows);
+        let origin = (rectangle.column as isize, rectangle.row as isize);
+        let mut stored = vec![0.0; size.0 * size.1];
+        self.band.read_into_slice(origin, size, size, &mut stored, None)?;
+        if !is_whole {
+            self.masked.resize(stored.len(), 0);
+            self.band.open_mask_band()?.read_into_slice(origin, size, size, &mut self.masked, None)?;
         }
-        let radius_m = self.body.equatorial_radius_m;
-        // Within a twentieth of the body's radius.
-        self.values = if (value / radius_m - 1.0).abs() < 0.05 {
-            Values::Radius
-        } else if (value / radius_m).abs() < 0.05 {
-            Values::Height
-        } else {
-            let (path, body) = (self.path.into(), self.body.name.clone());
-            return Err(Error::Implausible { path, body, value_m: value, radius_m });
-        };
-        Ok(())
+        let band_type = self.band.band_type();
+        let sentinel = is_whole && band_type == GdalDataType::Int16;
+        let special = band_type == GdalDataType::Float32;
+        for (index, value) in stored.iter_mut().enumerate() {
+            let missing = !is_whole && self.masked[index] == 0
+                || sentinel && *value == f64::from(i16::MIN)
+                || special && *value <= SPECIAL
+                || self.nodata.is_some_and(|nodata| same(*value, nodata));
+            if missing || !value.is_finite() {
+                *value = f64::NAN;
+            }
+        }
+        Ok(stored)
     }
 
-    fn heights_from_radii(&self, first_row: usize, values: &mut [f64]) {
-        if self.body.is_sphere() {
-            values.iter_mut().for_each(|value| *value -= self.body.equatorial_radius_m);
-            return;
+    /// Numbers from places all over a window.
+    pub fn sample(&mut self, window: Window) -> Result<Vec<f64>, Error> {
+        let mut sample = Vec::new();
+        for index in 0..PLACES * PLACES {
+            let at = |index: usize, count: usize| (2 * index + 1) * count / (2 * PLACES);
+            let column = (window.column + at(index % PLACES, window.columns)) % self.band.x_size();
+            let row = window.row + at(index / PLACES, window.rows);
+            let columns = SIDE.min(self.band.x_size() - column);
+            let rows = SIDE.min(window.row + window.rows - row);
+            let stored = self.read(Rectangle { column, row, columns, rows })?;
+            sample.extend(stored.into_iter().flatten().filter(|value| !value.is_nan()));
         }
-        let columns = self.window.columns;
-        let pixel = |index: usize| {
-            DVec2::new((self.window.column + index % columns) as f64, (first_row + index / columns) as f64)
-        };
-        let pixels: Vec<DVec2> = (0..values.len()).map(pixel).collect();
-        let figure = &self.whole.figure;
-        for (value, on_figure) in values.iter_mut().zip(self.projector.geodetics(&pixels)) {
-            let towards = figure.position_from_geodetic(on_figure).vector_m().normalize();
-            let point = Position::from_m(towards * *value);
-            *value = self.body.geodetic_from_position(point).height_m;
-        }
+        Ok(sample)
     }
+}
+
+/// As numbers are written: `-3.4e38` has fewer digits than the file.
+fn same(stored: f64, written: f64) -> bool {
+    stored == written || (stored - written).abs() <= 1e-6 * written.abs()
 }

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use gdal::Dataset;
 use serde::Serialize;
 
-use super::keep_gdal_quiet;
+use super::access::open_dataset;
 
 /// A georeferenced raster in short.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,8 +28,7 @@ pub struct Summary {
 
 /// The summary of a file; `None`: GDAL cannot open it, or it lies on no map.
 pub fn summary(path: &Path) -> Option<Summary> {
-    keep_gdal_quiet();
-    let dataset = Dataset::open(path).ok()?;
+    let dataset = open_dataset(path).ok()?;
     let crs = dataset.spatial_ref().ok()?;
     let [left, column_x, row_x, top, column_y, row_y] = dataset.geo_transform().ok()?;
     let (columns, rows) = dataset.raster_size();

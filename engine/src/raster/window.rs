@@ -39,7 +39,7 @@ pub fn check_window(path: &Path, (width, height): (usize, usize), window: Option
 /// Pixels to average along a side: as many as fit the posting. Where columns run around the body they
 /// must divide the raster, so that its seams stay whole.
 pub fn reduction(georeference: &Georeference, window: Window, posting_m: Option<f64>) -> usize {
-    let pixel_m = georeference.pixel_size() * georeference.metres_per_unit();
+    let pixel_m = georeference.posting_m();
     let most = window.columns.min(window.rows) / 2;
     let wanted = posting_m.map_or(1, |posting_m| ((posting_m / pixel_m * (1.0 + 1e-9)) as usize).clamp(1, most));
     let divides = |n: &usize| window.columns.is_multiple_of(*n) && window.rows.is_multiple_of(*n);

@@ -11,7 +11,8 @@ use gdal::{Dataset, DriverManager, Metadata};
 
 use gdal::errors::GdalError;
 
-use super::{Error, keep_gdal_quiet};
+use super::Error;
+use super::access::keep_gdal_quiet;
 use crate::files::NewFile;
 
 /// One band: what it holds, and its values row by row from the top left.

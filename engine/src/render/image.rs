@@ -30,7 +30,8 @@ pub enum Quantity {
     SunFractionSigma,
     /// Share of the pixel covered by the body.
     Hit,
-    /// 1 where the pixel's centre sees ground without DEM heights, 0 elsewhere.
+    /// 1 where the pixel's centre sees ground for which no elevation model has heights: a hole, or the sphere beside the
+    /// models; 0 elsewhere.
     DemGap,
     /// Distance along the boresight to the ground at the pixel's centre.
     Depth,

@@ -6,6 +6,7 @@ use super::error::{Fault, Problem};
 use super::files::{Found, SearchPath};
 use super::tree::{Node, TextPosition};
 use crate::ephemeris::KernelSource;
+use crate::raster::Within;
 
 /// Says what a file is and where it can be had, by its name.
 pub type FileHint<'a> = &'a dyn Fn(&str) -> Option<String>;
@@ -42,6 +43,18 @@ impl Check<'_> {
     pub fn file(&mut self, key: &str, name: &str) -> PathBuf {
         let found = self.places.find(name);
         self.found(key, name, found)
+    }
+
+    /// A raster's file, or the name of something within one.
+    pub fn raster(&mut self, key: &str, name: &str) -> PathBuf {
+        let find = |name: &str| match self.places.find(name) {
+            Found::File(path) => Some(path),
+            Found::Directory(_) | Found::Nowhere(_) => None,
+        };
+        match (self.places.find(name), Within::find(name, &find)) {
+            (Found::Nowhere(_), Some(within)) => within.name,
+            (found, _) => self.found(key, name, found),
+        }
     }
 
     pub fn folder(&mut self, key: &str, name: &str) -> PathBuf {

@@ -13,6 +13,7 @@ use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::labels::Wanted;
 use crate::photometry::Curve;
+use crate::raster::Reading;
 use crate::render::ViewRays;
 
 pub use super::spec::{
@@ -90,6 +91,7 @@ pub struct Terrain {
 pub enum Dem {
     File {
         path: PathBuf,
+        reading: Reading,
         values: Values,
         posting_m: Option<f64>,
         extent_m: Option<f64>,
@@ -112,6 +114,7 @@ pub enum Dem {
     },
     Cube {
         path: PathBuf,
+        reading: Reading,
         values: Values,
         posting_m: Option<f64>,
     },
@@ -129,6 +132,7 @@ impl Scenario {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Globe {
     pub path: PathBuf,
+    pub reading: Reading,
     pub values: Values,
     /// `None`: the model's own.
     pub posting_m: Option<f64>,
@@ -177,9 +181,9 @@ impl Photometry {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Albedo {
     Constant(f64),
-    Map(PathBuf),
+    Map(PathBuf, Reading),
     /// Of Hapke's `w`.
-    SingleScattering(PathBuf),
+    SingleScattering(PathBuf, Reading),
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -101,7 +101,7 @@ impl Scenario {
     /// Files that shape the images besides elevation models and kernels, with their role.
     pub fn other_files(&self) -> Vec<(&'static str, &Path)> {
         let mut inputs = Vec::new();
-        if let Albedo::Map(path) | Albedo::SingleScattering(path) = &self.albedo {
+        if let Albedo::Map(path, _) | Albedo::SingleScattering(path, _) = &self.albedo {
             inputs.push(("albedo", path.as_path()));
         }
         if let Trajectory::Oem { path } = &self.trajectory {

@@ -6,6 +6,7 @@ use super::spec::{self, Spec};
 use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::raster::{self, Reading};
 use crate::shadow::method::Flaw;
 
 /// Normal albedo of the mean lunar surface at 665 nm: ROLO's disc in opposition (Kieffer & Stone 2005).
@@ -58,18 +59,21 @@ pub fn terrain(written: &spec::Terrain, check: &mut Check) -> Terrain {
 }
 
 fn resolved_dem(index: usize, written: &spec::Dem, centre: Option<Geodetic>, check: &mut Check) -> Dem {
-    let key = format!("terrain.dems[{index}].path");
+    let dem_key = format!("terrain.dems[{index}]");
+    let key = format!("{dem_key}.path");
+    let reading = raster_reading(written, &dem_key, check);
     match *written {
-        spec::Dem::File { ref path, values, posting_m, extent_m } => {
-            Dem::File { path: check.file(&key, path), values, posting_m, extent_m }
+        spec::Dem::File { ref path, values, posting_m, extent_m, .. } => {
+            Dem::File { path: check.raster(&key, path), reading, values, posting_m, extent_m }
         }
-        spec::Dem::Cube { ref path, values, posting_m } => {
-            Dem::Cube { path: check.file(&key, path), values, posting_m }
+        spec::Dem::Cube { ref path, values, posting_m, .. } => {
+            Dem::Cube { path: check.raster(&key, path), reading, values, posting_m }
         }
-        spec::Dem::Globe { ref path, values, posting_m, ref tiles, posting_px, most_tiles } => {
+        spec::Dem::Globe { ref path, values, posting_m, ref tiles, posting_px, most_tiles, .. } => {
             let tiles_key = format!("terrain.dems[{index}].tiles");
             Dem::Globe(Globe {
-                path: check.file(&key, path),
+                path: check.raster(&key, path),
+                reading,
                 values,
                 posting_m,
                 tiles: tiles.as_ref().map(|folder| check.folder(&tiles_key, folder)),
@@ -88,6 +92,27 @@ fn resolved_dem(index: usize, written: &spec::Dem, centre: Option<Geodetic>, che
             seed,
         },
     }
+}
+
+/// What the user says of a model's file.
+fn raster_reading(written: &spec::Dem, key: &str, check: &mut Check) -> Reading {
+    let reading = match written.clone() {
+        spec::Dem::File { band, nodata, scale, offset, unit, crs, .. }
+        | spec::Dem::Cube { band, nodata, scale, offset, unit, crs, .. }
+        | spec::Dem::Globe { band, nodata, scale, offset, unit, crs, .. } => {
+            Reading { band, nodata, scale, offset, unit, crs }
+        }
+        spec::Dem::Synthetic { .. } | spec::Dem::Detail { .. } => Reading::default(),
+    };
+    let known = reading.unit.as_deref().is_none_or(|unit| raster::metres_in(unit).is_some());
+    checked_reading(reading, known, raster::LENGTHS, key, check)
+}
+
+fn checked_reading(reading: Reading, known: bool, units: &str, key: &str, check: &mut Check) -> Reading {
+    let unit = format!("{:?}", reading.unit.as_deref().unwrap_or_default());
+    check.rule(known, &format!("{key}.unit"), unit, format!("is none of the units {units}"));
+    check.rule(reading.scale != Some(0.0), &format!("{key}.scale"), 0, "makes all values the same");
+    reading
 }
 
 /// Postings that are given must grow; those of files are checked once the files are open.
@@ -213,10 +238,24 @@ pub fn albedo(written: &spec::Surface, phase_function: spec::PhaseFunction, chec
             spec::PhaseFunction::Constant => ALBEDO_WITHOUT_PHASE,
         }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
-        Some(spec::Albedo::Map { path }) => Albedo::Map(check.file("surface.albedo.path", path)),
-        Some(spec::Albedo::SingleScattering { path }) => {
+        Some(written @ spec::Albedo::Map { path, .. }) => {
+            Albedo::Map(check.raster("surface.albedo.path", path), albedo_reading(written, check))
+        }
+        Some(written @ spec::Albedo::SingleScattering { path, .. }) => {
             check.needs(is_hapke, "surface.albedo", "needs one of the Hapke models: it is a map of their w");
-            Albedo::SingleScattering(check.file("surface.albedo.path", path))
+            Albedo::SingleScattering(check.raster("surface.albedo.path", path), albedo_reading(written, check))
         }
     }
+}
+
+fn albedo_reading(written: &spec::Albedo, check: &mut Check) -> Reading {
+    let reading = match written.clone() {
+        spec::Albedo::Map { band, nodata, scale, offset, unit, crs, .. }
+        | spec::Albedo::SingleScattering { band, nodata, scale, offset, unit, crs, .. } => {
+            Reading { band, nodata, scale, offset, unit, crs }
+        }
+        spec::Albedo::Constant(_) => Reading::default(),
+    };
+    let known = reading.unit.as_deref().is_none_or(|unit| raster::shares_in(unit).is_some());
+    checked_reading(reading, known, raster::SHARES, "surface.albedo", check)
 }

@@ -9,7 +9,7 @@ use perilune_engine::horizon::Request;
 use perilune_engine::horizon::header::Header;
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::{self, Ground};
-use perilune_engine::raster;
+use perilune_engine::raster::{self, Reading};
 use perilune_engine::scenario::{self, Dem};
 
 /// How DEMs become levels.
@@ -81,7 +81,9 @@ impl Args {
     ) -> Result<Ground, Box<dyn std::error::Error>> {
         let terrain = scenario::Terrain { centre, dems: self.dems(dems)? };
         // Only synthetic terrain is kept in a cache.
-        Ok(ground::surface(Some(&terrain), &self.body.body()?, Path::new(""), progress)?)
+        let ground = ground::surface(Some(&terrain), &self.body.body()?, Path::new(""), progress)?;
+        ground.findings.iter().for_each(|finding| progress.say(finding));
+        Ok(ground)
     }
 
     fn dems(&self, paths: &[PathBuf]) -> Result<Vec<Dem>, String> {
@@ -93,13 +95,17 @@ impl Args {
         let values = self.values.into();
         let at = |values: &[f64], index: usize| values.get(index).copied();
         match paths {
-            [path] if self.cube => Ok(vec![Dem::Cube { path: path.clone(), values, posting_m: at(&self.posting, 0) }]),
+            [path] if self.cube => {
+                let (path, reading, posting_m) = (path.clone(), Reading::default(), at(&self.posting, 0));
+                Ok(vec![Dem::Cube { path, reading, values, posting_m }])
+            }
             _ if self.cube => Err(format!("--cube takes one DEM of the whole body, got {}", paths.len())),
             _ => Ok(paths
                 .iter()
                 .enumerate()
                 .map(|(index, path)| Dem::File {
                     path: path.clone(),
+                    reading: Reading::default(),
                     values,
                     posting_m: at(&self.posting, index),
                     extent_m: at(&self.extent, index),

@@ -47,7 +47,7 @@ pub struct DrawnTiles {
 impl DrawnTiles {
     /// The globe at its coarsest, before a camera looks at it.
     pub fn open(body: &Body, written: &scenario::Globe, values: Values) -> Result<Self, Error> {
-        let dem = GlobalDem::open(&written.path, body, values)?;
+        let dem = GlobalDem::open(&written.path, body, &written.reading, values)?;
         let given = written.tiles.as_deref().map(index_in).transpose()?;
         let (cells, margin) =
             given.as_ref().map_or((CELLS, MARGIN), |(_, index)| (index.plan.cells, index.plan.margin));

@@ -34,8 +34,11 @@ impl Seen<'_> {
     /// A plane's values, as many as it has channels; NaN without ground.
     pub fn values(&self, quantity: Quantity) -> [f32; 3] {
         let is_gap = self.hit.is_some_and(|hit| hit.ground == Ground::Gap);
+        // Beside the models the spheroid is invented; where there is no model it is all there is.
+        let has_models = !self.scene.surface.terrain.faces.is_empty();
+        let is_invented = is_gap || has_models && self.hit.is_some_and(|hit| hit.ground == Ground::Bare);
         match (quantity, self.hit.filter(|_| !is_gap)) {
-            (Quantity::DemGap, _) => [f32::from(u8::from(is_gap)), 0.0, 0.0],
+            (Quantity::DemGap, _) => [f32::from(u8::from(is_invented)), 0.0, 0.0],
             (_, None) => [f32::NAN; 3],
             (Quantity::Normal, Some(hit)) => self.normal(hit).unit().as_vec3().to_array(),
             (_, Some(hit)) => [self.value(quantity, hit) as f32, 0.0, 0.0],

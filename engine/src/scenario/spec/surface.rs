@@ -116,10 +116,54 @@ pub enum Albedo {
     Map {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
         path: String,
+        /// The band, counted from 1; needed where there are several.
+        #[serde(default)]
+        #[schemars(range(min = 1, max = 65535))]
+        band: Option<u32>,
+        /// The stored number that marks missing data, besides what the file declares.
+        #[serde(default)]
+        #[schemars(range(min = f64::MIN, max = f64::MAX))]
+        nodata: Option<f64>,
+        /// What stored numbers are multiplied by. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        scale: Option<f64>,
+        /// What is added to scaled numbers. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        offset: Option<f64>,
+        /// Unit of the values after scale and offset: 1 or %. Default: as the file says.
+        #[serde(default)]
+        unit: Option<String>,
+        /// Coordinate reference system as WKT, PROJ string or authority code. Default: the file's own.
+        #[serde(default)]
+        crs: Option<String>,
     },
     /// The single-scattering albedo w of a Hapke model from a georeferenced raster, instead of the model's own.
     SingleScattering {
         /// The file, looked for beside the scenario, then under `--data` and `SIM_DATA`.
         path: String,
+        /// The band, counted from 1; needed where there are several.
+        #[serde(default)]
+        #[schemars(range(min = 1, max = 65535))]
+        band: Option<u32>,
+        /// The stored number that marks missing data, besides what the file declares.
+        #[serde(default)]
+        #[schemars(range(min = f64::MIN, max = f64::MAX))]
+        nodata: Option<f64>,
+        /// What stored numbers are multiplied by. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        scale: Option<f64>,
+        /// What is added to scaled numbers. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        offset: Option<f64>,
+        /// Unit of the values after scale and offset: 1 or %. Default: as the file says.
+        #[serde(default)]
+        unit: Option<String>,
+        /// Coordinate reference system as WKT, PROJ string or authority code. Default: the file's own.
+        #[serde(default)]
+        crs: Option<String>,
     },
 }

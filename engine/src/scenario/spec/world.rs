@@ -65,6 +65,28 @@ pub enum Dem {
         /// What its numbers are.
         #[serde(default)]
         values: Values,
+        /// The band, counted from 1; needed where there are several.
+        #[serde(default)]
+        #[schemars(range(min = 1, max = 65535))]
+        band: Option<u32>,
+        /// The stored number that marks missing data, besides what the file declares.
+        #[serde(default)]
+        #[schemars(range(min = f64::MIN, max = f64::MAX))]
+        nodata: Option<f64>,
+        /// What stored numbers are multiplied by. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        scale: Option<f64>,
+        /// What is added to scaled numbers. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        offset: Option<f64>,
+        /// Unit of the values after scale and offset: m, km, dm, cm, mm, ft, us-ft, yd or mi. Default: as the file says.
+        #[serde(default)]
+        unit: Option<String>,
+        /// Coordinate reference system as WKT, PROJ string or authority code. Default: the file's own.
+        #[serde(default)]
+        crs: Option<String>,
         /// Resample to this posting. Default: the file's own.
         #[serde(default)]
         #[schemars(range(min = 0.01, max = 100_000.0))]
@@ -125,6 +147,28 @@ pub enum Dem {
         /// What its numbers are.
         #[serde(default)]
         values: Values,
+        /// The band, counted from 1; needed where there are several.
+        #[serde(default)]
+        #[schemars(range(min = 1, max = 65535))]
+        band: Option<u32>,
+        /// The stored number that marks missing data, besides what the file declares.
+        #[serde(default)]
+        #[schemars(range(min = f64::MIN, max = f64::MAX))]
+        nodata: Option<f64>,
+        /// What stored numbers are multiplied by. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        scale: Option<f64>,
+        /// What is added to scaled numbers. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        offset: Option<f64>,
+        /// Unit of the values after scale and offset: m, km, dm, cm, mm, ft, us-ft, yd or mi. Default: as the file says.
+        #[serde(default)]
+        unit: Option<String>,
+        /// Coordinate reference system as WKT, PROJ string or authority code. Default: the file's own.
+        #[serde(default)]
+        crs: Option<String>,
         /// Resample to this posting. Default: the file's own.
         #[serde(default)]
         #[schemars(range(min = 1.0, max = 1_000_000.0))]
@@ -138,6 +182,28 @@ pub enum Dem {
         /// What its numbers are.
         #[serde(default)]
         values: Values,
+        /// The band, counted from 1; needed where there are several.
+        #[serde(default)]
+        #[schemars(range(min = 1, max = 65535))]
+        band: Option<u32>,
+        /// The stored number that marks missing data, besides what the file declares.
+        #[serde(default)]
+        #[schemars(range(min = f64::MIN, max = f64::MAX))]
+        nodata: Option<f64>,
+        /// What stored numbers are multiplied by. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        scale: Option<f64>,
+        /// What is added to scaled numbers. Default: as the file says.
+        #[serde(default)]
+        #[schemars(range(min = -1e9, max = 1e9))]
+        offset: Option<f64>,
+        /// Unit of the values after scale and offset: m, km, dm, cm, mm, ft, us-ft, yd or mi. Default: as the file says.
+        #[serde(default)]
+        unit: Option<String>,
+        /// Coordinate reference system as WKT, PROJ string or authority code. Default: the file's own.
+        #[serde(default)]
+        crs: Option<String>,
         /// The finest posting, at most. Default: the file's own.
         #[serde(default)]
         #[schemars(range(min = 1.0, max = 1_000_000.0))]

@@ -23,7 +23,7 @@ use glam::{DVec2, DVec3};
 use super::grid::{Grid, Rectangle};
 use super::{Error, nest, outermost, sample};
 use crate::geometry::{Body, Position};
-use crate::raster::{Around, Dem, Options, Values};
+use crate::raster::{Around, Dem, Options, Reading, Values};
 use crate::terrain::quadtree::{QuadTree, TileId};
 use crate::terrain::{Face, Gnomonic, Level};
 
@@ -34,19 +34,32 @@ const BLOCK: usize = 256;
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlobalDem {
     pub path: PathBuf,
+    pub reading: Reading,
+    /// Never `Auto`.
     pub values: Values,
     /// Distance of pixels along a meridian.
     pub posting_m: f64,
     pub lowest_m: f64,
     pub highest_m: f64,
+    /// What a user should know of the file, a line each.
+    pub findings: Vec<String>,
 }
 
 impl GlobalDem {
-    /// Looks at all of a model once, row by row.
-    pub fn open(path: &Path, body: &Body, values: Values) -> Result<Self, Error> {
-        let options = Options { values, ..Default::default() };
-        let [lowest_m, highest_m] = Dem::extremes_m(path, body, &options)?;
-        Ok(Self { path: path.into(), values, posting_m: Dem::posting_m(path)?, lowest_m, highest_m })
+    /// Looks at all of a model once.
+    pub fn open(path: &Path, body: &Body, reading: &Reading, values: Values) -> Result<Self, Error> {
+        let options = Options { reading: reading.clone(), values, ..Default::default() };
+        let survey = Dem::survey(path, body, &options)?;
+        let [lowest_m, highest_m] = survey.extremes;
+        Ok(Self {
+            path: path.into(),
+            reading: reading.clone(),
+            values: survey.values,
+            posting_m: Dem::posting_m(path, reading)?,
+            lowest_m,
+            highest_m,
+            findings: survey.findings,
+        })
     }
 
     /// Central angle within which ground can rise above the horizontal.
@@ -152,8 +165,9 @@ pub(super) fn read(body: &Body, map: &Gnomonic, grid: &Grid, dem: &GlobalDem) ->
         let around = Around { centre, distance_m: body.equatorial_radius_m * wide_rad.min(1.4).tan() };
         // The same for all of a level, or neighbours would disagree; nodes are 1 to 0.5 postings apart on the ground.
         let posting_m = FRAC_1_SQRT_2 * grid.posting_m;
+        let (reading, values) = (dem.reading.clone(), dem.values);
         let options =
-            Options { values: dem.values, around: Some(around), posting_m: Some(posting_m), ..Default::default() };
+            Options { reading, values, around: Some(around), posting_m: Some(posting_m), ..Default::default() };
         let window = match Dem::open(&dem.path, body, &options) {
             Err(crate::raster::Error::AllNodata { .. }) => continue,
             window => window?,
