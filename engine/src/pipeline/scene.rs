@@ -190,7 +190,7 @@ pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
     };
     let scale = match &scenario.albedo {
         Albedo::Constant(scale) => *scale,
-        Albedo::Map(_) | Albedo::SingleScattering(_) => 1.0,
+        Albedo::Map(..) | Albedo::SingleScattering(..) => 1.0,
     };
     let hapke = |set: Hapke| Reflectance::Hapke(Hapke { scale, ..set });
     let reflectance = match scenario.photometry {
