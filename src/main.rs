@@ -46,12 +46,29 @@ enum Command {
     Terrain(cli::terrain::Args),
 }
 
+impl Command {
+    /// What must be there before work begins.
+    fn prepare(&self) -> Result<(), String> {
+        let is_light =
+            matches!(self, Self::Inspect(_) | Self::Kernels(_) | Self::Scenarios(_) | Self::Schema(_) | Self::Sun(_));
+        if !is_light {
+            cli::limits::check_memory()?;
+        }
+        cli::limits::start_threads()
+    }
+}
+
 fn main() -> ExitCode {
     // Keeps Mesa's device-select layer from printing on machines without a display.
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     perilune_engine::horizon::memory::keep();
-    let outcome = match Sim::parse().command {
+    let command = Sim::parse().command;
+    if let Err(error) = command.prepare() {
+        eprintln!("error: {error}");
+        return ExitCode::FAILURE;
+    }
+    let outcome = match command {
         Command::Bench(args) => cli::bench::run(args),
         Command::Check(args) => cli::check::run(args),
         Command::Compare(args) => cli::compare::run(args),

@@ -18,6 +18,8 @@ pub mod horizon;
 pub mod illuminate;
 pub mod inspect;
 pub mod kernels;
+pub mod limits;
+mod ranges;
 pub mod run;
 pub mod scenarios;
 pub mod schema;

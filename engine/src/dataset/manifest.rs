@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::record::{BodyRecord, FileRecord, SoftwareRecord};
+use super::record::{BodyRecord, FileRecord, SoftwareRecord, WarningRecord};
 
 /// What a run is made from; equal runs make equal bytes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -72,6 +72,9 @@ pub struct ManifestEntry {
     /// `train`, `validation` or `test`; absent: the dataset is not split.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split: Option<String>,
+    /// What is odd about the image; absent: nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningRecord>,
     pub files: Vec<FileRecord>,
 }
 

@@ -52,6 +52,6 @@ pub use preview::White;
 pub use record::{
     BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, ExposureMetadata, FileRecord, InputRecords,
     PlaneRecord, PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord,
-    SoftwareRecord, SplitRecord, Statistics, SunRecord, SweepRecord,
+    SoftwareRecord, SplitRecord, Statistics, SunRecord, SweepRecord, WarningRecord,
 };
 pub use writer::{Exposure, Orthoimage, Settings, Summary, Writer};

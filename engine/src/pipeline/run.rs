@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::device::{self, AdapterChoice};
-use super::{Error, Prepared, Progress, build_scene, images, prepare, record, scene};
+use super::watch::Watch;
+use super::{Error, Prepared, Progress, build_scene, facts, images, prepare, record, scene};
 use crate::dataset::{self, Writer};
 use crate::scenario::Scenario;
 
@@ -38,6 +39,8 @@ pub struct Report {
     pub exposures: usize,
     /// Rendered in this run; the others were there.
     pub rendered: usize,
+    /// A line for each kind of what is odd about the images that were rendered.
+    pub warnings: Vec<String>,
     /// Where the time went.
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
@@ -84,6 +87,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let Prepared { ground, shadows, exposures, .. } = &prepared;
     let (terrain, method) = (&ground.surface.terrain, shadows.method.as_ref());
     let renderer = device::renderer(gpu.as_ref(), options.adapter, scenario, terrain, method, exposures, progress)?;
+    facts::check_memory(scenario, terrain, method)?;
     let terrain = lap(start);
 
     let start = Instant::now();
@@ -100,7 +104,8 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let start = Instant::now();
     progress.begin("rendering", todo.len(), "exposures");
     let instrument = images::Instrument { imaging: &imaging, session };
-    let spent = images::render(&prepared, instrument, &run, &mut writer, &todo, progress)?;
+    let watch = Watch::new(scenario, &prepared)?;
+    let spent = images::render(&prepared, instrument, &run, &mut writer, &todo, &watch, progress)?;
     let rendering = lap(start);
 
     let start = Instant::now();
@@ -111,6 +116,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
         adapter,
         exposures: summary.exposures,
         rendered: todo.len(),
+        warnings: watch.summed(todo.len()),
         seconds: Seconds { terrain, horizons, rendering, writing_after: lap(start) },
         device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
         stages: Stages {

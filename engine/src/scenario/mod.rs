@@ -16,6 +16,7 @@ mod camera;
 mod check;
 mod error;
 mod files;
+mod hints;
 mod light;
 mod load;
 mod motion;
