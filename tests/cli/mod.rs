@@ -1,9 +1,11 @@
 //! What the program says and writes.
 
 mod alone;
+mod attacks;
 mod bad_input;
 mod camera;
 mod ephemeris;
+mod facts;
 mod horizon;
 mod illuminate;
 mod inspect;
@@ -16,3 +18,4 @@ mod scenario;
 mod shadows;
 mod sweep;
 mod terrain;
+mod titles;

@@ -1,7 +1,8 @@
 //! Which of the names that are allowed somebody meant.
 
 /// What other programs and people call keys and variants, beginning with the name that is meant here.
-const ALSO: [&[&str]; 24] = [
+const ALSO: [&[&str]; 25] = [
+    &["range_au", "distance_au", "distance", "sun_distance_au"],
     &[
         "field_of_view_deg",
         "fov",

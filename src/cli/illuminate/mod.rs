@@ -18,7 +18,6 @@ use perilune_engine::illumination::{self, Lit, Maps, Place, Skylines, Study, Swe
 use perilune_engine::photometry::{LimbDarkening, SolarDisk};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::Ground;
-use perilune_engine::raster;
 use perilune_engine::terrain::{Face, Gnomonic, Level};
 use serde_json::json;
 
@@ -182,8 +181,7 @@ pub fn run(args: Args) -> Outcome {
         check,
     };
     let report = findings.report()?;
-    let (dem, [dem_columns, _]) = raster::Dem::lies(&args.dems[0])?;
-    maps.write(MappedLevel { body, map: &face.map, level }, &dem, dem_columns, &args.output.join("illumination.tif"))?;
+    results::write_map(&maps, MappedLevel { body, map: &face.map, level }, &args.dems[0], &args.output)?;
     results::write(&args.output, &track, &results, &places)?;
     report.write(&args.output)?;
     if args.json {
