@@ -6,7 +6,6 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use perilune_engine::scenario::ScenarioError;
 
 /// Calibrated images of airless terrain for landing navigation.
 ///
@@ -28,11 +27,12 @@ First steps:
   sim scenarios lunar_descent > mine.ron   a copy to change
   sim schema                          all that a scenario can say
 
-Exit codes: 0 done, 1 an error, 2 wrong arguments";
+Exit codes: 0 done, 1 an error, 2 wrong arguments, 130 interrupted; with --json errors are JSON too";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Bench(cli::bench::Args),
+    Cache(cli::cache::Args),
     Check(cli::check::Args),
     Compare(cli::compare::Args),
     Horizon(Box<cli::horizon::Args>),
@@ -49,8 +49,10 @@ enum Command {
 impl Command {
     /// What must be there before work begins.
     fn prepare(&self) -> Result<(), String> {
-        let is_light =
-            matches!(self, Self::Inspect(_) | Self::Kernels(_) | Self::Scenarios(_) | Self::Schema(_) | Self::Sun(_));
+        let is_light = matches!(
+            self,
+            Self::Cache(_) | Self::Inspect(_) | Self::Kernels(_) | Self::Scenarios(_) | Self::Schema(_) | Self::Sun(_)
+        );
         if !is_light {
             cli::limits::check_memory()?;
         }
@@ -63,13 +65,23 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     perilune_engine::horizon::memory::keep();
-    let command = Sim::parse().command;
+    let as_json = std::env::args().any(|argument| argument == "--json");
+    let command = match Sim::try_parse() {
+        Ok(sim) => sim.command,
+        Err(error) if as_json && error.use_stderr() => {
+            cli::failure::report_arguments(&error.to_string());
+            return ExitCode::from(2);
+        }
+        Err(error) => error.exit(),
+    };
     if let Err(error) = command.prepare() {
         eprintln!("error: {error}");
         return ExitCode::FAILURE;
     }
+    cli::interrupt::listen();
     let outcome = match command {
         Command::Bench(args) => cli::bench::run(args),
+        Command::Cache(args) => cli::cache::run(args),
         Command::Check(args) => cli::check::run(args),
         Command::Compare(args) => cli::compare::run(args),
         Command::Horizon(args) => cli::horizon::run(*args),
@@ -86,18 +98,10 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
         Err(error) => {
-            lines(error.as_ref()).iter().for_each(|line| eprintln!("error: {line}"));
+            cli::failure::report(error.as_ref(), as_json);
             ExitCode::FAILURE
         }
     }
-}
-
-/// A line a problem where there may be several, else one.
-fn lines(error: &(dyn Error + 'static)) -> Vec<String> {
-    if error.is::<ScenarioError>() || error.is::<cli::Problems>() {
-        return error.to_string().lines().map(String::from).collect();
-    }
-    vec![cli::chain(error)]
 }
 
 /// The reader has seen enough, as in `sim schema | head`.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use perilune_engine::dataset::Existing;
 use perilune_engine::ephemeris::{Epoch, known_file};
 use perilune_engine::pipeline::{self, Options, Prepared, Progress, capture};
 use perilune_engine::render::{Image, Imaging, View};
@@ -76,6 +77,8 @@ impl Scenario {
 
     /// Does what `sim run` does: renders all images and writes them, with their records and previews, into the folder `output`.
     ///
+    /// Exposures of the same scenario that are there are written anew; those of another are kept, and the run is refused.
+    ///
     /// # Errors
     /// Any kind; what was finished stays.
     pub fn run(
@@ -85,7 +88,8 @@ impl Scenario {
         adapter: Adapter,
         progress: &dyn Progress,
     ) -> Result<RunReport, Error> {
-        let options = Options { output: output.into(), cache: cache.into(), exposures: None, resume: false, adapter };
+        let existing = Existing::default();
+        let options = Options { output: output.into(), cache: cache.into(), exposures: None, existing, adapter };
         Ok(pipeline::run(&self.0, &options, progress)?)
     }
 }

@@ -15,6 +15,7 @@ use std::time::Instant;
 
 use super::shadows::reduced;
 use super::{Error, Machine, Report, Table, Value};
+use perilune_engine::dataset::Existing;
 use perilune_engine::gpu::{Adapter, Gpu};
 use perilune_engine::pipeline::{self, AdapterChoice, Progress, Stages};
 use perilune_engine::render::{Quantity, Renderer};
@@ -127,8 +128,8 @@ fn made(scenario: &Scenario, chosen: &Range<usize>, options: &Options) -> Result
     let timed = |exposures: Range<usize>| {
         let (clock, cpu_s) = (Instant::now(), process_seconds());
         let (cache, adapter) = (options.cache.clone(), AdapterChoice::Auto);
-        let (exposures, output) = (Some(exposures), output.clone());
-        let options = pipeline::Options { output, cache, exposures, resume: false, adapter };
+        let (exposures, output) = (Some(exposures.into()), output.clone());
+        let options = pipeline::Options { output, cache, exposures, existing: Existing::default(), adapter };
         let stages = pipeline::run(scenario, &options, &pipeline::Silent)?.stages;
         Ok::<_, Error>((Cost { wall_s: clock.elapsed().as_secs_f64(), cpu_s: cpu_since(cpu_s) }, stages))
     };

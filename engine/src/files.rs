@@ -8,6 +8,7 @@
 //! Temporaries of processes that were killed stay. [`remove_stale`] removes them: those of this machine whose process is
 //! gone and whose lock is free, and those of other machines that have not changed for a week.
 
+pub mod cache;
 mod stale;
 
 use std::ffi::OsString;
@@ -134,6 +135,16 @@ pub fn write_in_order<'a>(
         written.map_err(|error| (path, error))?;
     }
     sync_folder(folder).map_err(|error| (folder.into(), error))
+}
+
+/// Waits until no other process has the folder locked, and keeps it until the file is dropped. `None`: its file system has
+/// no locks.
+pub fn lock(folder: &Path) -> Option<File> {
+    if !cfg!(unix) {
+        return None;
+    }
+    let folder = File::open(folder).ok()?;
+    folder.lock().ok().map(|()| folder)
 }
 
 /// Tries whether files can be written into a folder.

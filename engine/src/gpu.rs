@@ -19,10 +19,7 @@ pub use depth::Depths;
 /// What can go wrong between the program and its device.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    #[error(
-        "no {wanted} adapter for Vulkan, Metal or DirectX 12 found ({found}); \
-         on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` brings one in software"
-    )]
+    #[error("no {wanted} adapter for Vulkan, Metal or DirectX 12 found ({found}); {}", remedy(wanted))]
     NoAdapter { wanted: &'static str, found: String },
     #[error("adapter {adapter} gives no device")]
     NoDevice { adapter: String, source: wgpu::RequestDeviceError },
@@ -265,10 +262,13 @@ impl Timer {
     }
 }
 
+/// What [`Adapter::Gpu`] asks for.
+const HARDWARE: &str = "hardware graphics";
+
 fn request_adapter(choice: Adapter) -> Result<wgpu::Adapter, GpuError> {
     let wanted = match choice {
         Adapter::Auto => "graphics",
-        Adapter::Gpu => "hardware graphics",
+        Adapter::Gpu => HARDWARE,
         Adapter::Cpu => "software graphics",
     };
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
@@ -285,6 +285,14 @@ fn request_adapter(choice: Adapter) -> Result<wgpu::Adapter, GpuError> {
         return Err(GpuError::NoAdapter { wanted, found: format!("found only {}", info.name) });
     }
     Ok(adapter)
+}
+
+/// Software is no remedy for who asks for hardware.
+fn remedy(wanted: &str) -> &'static str {
+    match wanted {
+        HARDWARE => "the driver of the graphics card brings one; without a card render with software, or on the CPU",
+        _ => "on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` brings one in software",
+    }
 }
 
 #[cfg(test)]
@@ -328,5 +336,7 @@ mod tests {
     fn a_missing_adapter_names_the_package_that_brings_one() {
         let error = GpuError::NoAdapter { wanted: "graphics", found: "found none".into() };
         assert!(error.to_string().contains("mesa-vulkan-drivers"), "{error}");
+        let error = GpuError::NoAdapter { wanted: HARDWARE, found: "found none".into() };
+        assert!(!error.to_string().contains("mesa"), "{error}");
     }
 }

@@ -60,6 +60,7 @@ pub mod digest;
 pub mod files;
 pub mod grid;
 pub mod quantity;
+pub mod signals;
 pub mod statistics;
 
 pub mod geometry;

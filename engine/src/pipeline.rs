@@ -17,6 +17,7 @@ mod craters;
 pub mod device;
 pub(crate) mod error;
 pub mod facts;
+mod frames;
 pub mod globe;
 pub mod ground;
 mod images;
@@ -25,6 +26,7 @@ pub mod models;
 pub mod motion;
 mod names;
 mod ortho;
+mod output;
 mod progress;
 mod record;
 mod run;
@@ -43,6 +45,7 @@ use std::sync::Arc;
 pub use check::{Checked, check};
 pub use device::AdapterChoice;
 pub use error::Error;
+pub use frames::{Frames, Stride};
 pub use motion::Exposure;
 pub use progress::{Progress, Silent};
 pub use run::{Options, Report, Seconds, Stages, run};
@@ -78,7 +81,7 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     let almanac = Almanac::load_sources(&kernels(scenario))?;
     let frame = body_frame(scenario, &almanac)?;
     let mut ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
-    for (role, path) in other_inputs(scenario) {
+    for (role, path) in scenario.other_files() {
         let sha256 = raster::digest(path)?;
         ground.inputs.push(dataset::Input { role: role.into(), name: names::file_name(path), sha256 });
     }
@@ -117,30 +120,6 @@ fn kernels(scenario: &Scenario) -> Vec<KernelSource> {
 fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error> {
     let named = almanac.body_frame(&scenario.body.name, scenario.frame.as_deref())?;
     Ok(BodyFrame { body: scenario.body.clone(), ..named })
-}
-
-/// Files that shape the images besides elevation models and kernels, with their role.
-fn other_inputs(scenario: &Scenario) -> Vec<(&'static str, &Path)> {
-    let mut inputs = Vec::new();
-    if let Albedo::Map(path) | Albedo::SingleScattering(path) = &scenario.albedo {
-        inputs.push(("albedo", path.as_path()));
-    }
-    if let scenario::Trajectory::Oem { path } = &scenario.trajectory {
-        inputs.push(("trajectory", path.as_path()));
-    }
-    if let Some(isd) = &scenario.camera.isd {
-        inputs.push(("camera", isd.path.as_path()));
-    }
-    if let Some(kernel) = &scenario.camera.kernel {
-        inputs.push(("psf", kernel.as_path()));
-    }
-    let response = scenario.band.as_ref().and_then(|band| band.path.as_deref());
-    inputs.extend(response.map(|path| ("response", path)));
-    inputs.extend(scenario.sun.table.as_deref().map(|path| ("spectrum", path)));
-    if let scenario::Towards::Aem { path } = &scenario.pointing.towards {
-        inputs.push(("attitude", path.as_path()));
-    }
-    inputs
 }
 
 /// The scene that a renderer reads, with its shadows.

@@ -11,8 +11,7 @@ use perilune_engine::report::Report;
 use perilune_engine::shadow::registry;
 
 use super::bars::Bars;
-use super::common::Files;
-use super::run::exposures;
+use super::common::{CacheArgs, Files};
 use super::{Outcome, ranges};
 
 /// Measure how fast and how right: horizons, images, shadows, light.
@@ -51,7 +50,7 @@ enum Bench {
         #[arg(long, value_parser = exposures)]
         frames: Option<std::ops::Range<usize>>,
         /// Times that each exposure is rendered
-        #[arg(long, default_value_t = 3, value_parser = ranges::number(1..=10_000, ""), allow_hyphen_values = true)]
+        #[arg(long, default_value_t = 3, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         #[command(flatten)]
         output: Output,
@@ -71,7 +70,7 @@ enum Bench {
         #[command(flatten)]
         scene: Scene,
         /// Counted from 0
-        #[arg(long, default_value_t = 0, value_parser = ranges::number(0..=10_000_000, ""), allow_hyphen_values = true)]
+        #[arg(long, default_value_t = 0, value_parser = ranges::number(0_usize..=10_000_000, ""), allow_hyphen_values = true)]
         exposure: usize,
         /// Pixels along the longer side of the image
         #[arg(long, default_value_t = 512, value_parser = ranges::number(1_u32..=16_384, "pixels"), allow_hyphen_values = true)]
@@ -80,7 +79,7 @@ enum Bench {
         #[arg(long, value_delimiter = ',', value_parser = elevation, allow_hyphen_values = true)]
         elevations: Option<Vec<f64>>,
         /// Frames that are timed at each elevation
-        #[arg(long, default_value_t = 3, value_parser = ranges::number(1..=10_000, ""), allow_hyphen_values = true)]
+        #[arg(long, default_value_t = 3, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         /// 256 pixels, Sun at 1.5°, 6° and 15°
         #[arg(long, conflicts_with_all = ["size", "elevations"])]
@@ -97,7 +96,7 @@ enum Bench {
         #[arg(long)]
         quick: bool,
         /// Frames that are timed with each method
-        #[arg(long, default_value_t = 5, value_parser = ranges::number(1..=10_000, ""), allow_hyphen_values = true)]
+        #[arg(long, default_value_t = 5, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         #[command(flatten)]
         output: Output,
@@ -112,12 +111,18 @@ enum Bench {
     },
     /// Hard numerical cases with known answers, for every shadow method.
     Stability {
-        /// Where horizon tiles are kept for the next run.
-        #[arg(long, default_value = "output/cache")]
-        cache: PathBuf,
+        #[command(flatten)]
+        cache: CacheArgs,
         #[command(flatten)]
         output: Output,
     },
+}
+
+fn exposures(text: &str) -> Result<std::ops::Range<usize>, String> {
+    let want = || format!("want A..B, as in 0..24, got {text}");
+    let (from, until) = text.split_once("..").ok_or_else(want)?;
+    let number = |part: &str| part.trim().parse::<usize>().map_err(|_| want());
+    Ok(number(from)?..number(until)?)
 }
 
 /// What benchmarks over data have in common.
@@ -185,17 +190,19 @@ pub fn run(args: Args) -> Outcome {
             (percentages::run(&options, &bars)?, tables.output)
         }
         Bench::Frame { scene, frames, repeat, output } => {
-            let options = frame::Options { exposures: frames, repeat, cache: scene.files.cache.clone() };
+            let cache = scene.files.cache.open()?;
+            let options = frame::Options { exposures: frames, repeat, cache: cache.to_path_buf() };
             (frame::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
         }
         Bench::Dataset { scene, frames, output } => {
-            let options = dataset::Options { exposures: frames, cache: scene.files.cache.clone() };
+            let cache = scene.files.cache.open()?;
+            let options = dataset::Options { exposures: frames, cache: cache.to_path_buf() };
             (dataset::run(&scene.files.scenario(&scene.scenario)?, &options, &bars)?, output)
         }
         Bench::Shadows { scene, exposure, size, elevations, repeat, quick, methods, output } => {
             let (pixels, elevations) = if quick { (256, Some(QUICK_DEG.to_vec())) } else { (size, elevations) };
-            let options =
-                shadows::Options { exposure, pixels, methods: all_of(methods), cache: scene.files.cache.clone() };
+            let cache = scene.files.cache.open()?;
+            let options = shadows::Options { exposure, pixels, methods: all_of(methods), cache: cache.to_path_buf() };
             let scenario = scene.files.scenario(&scene.scenario)?;
             let report = match elevations {
                 None => shadows::run(&scenario, &options, &bars)?,
@@ -208,7 +215,7 @@ pub fn run(args: Args) -> Outcome {
             data.extend(std::env::var_os("SIM_DATA").map(PathBuf::from));
             (radiometry::run(&data)?, output)
         }
-        Bench::Stability { cache, output } => (stability::run(&cache, &bars)?, output),
+        Bench::Stability { cache, output } => (stability::run(&cache.open()?, &bars)?, output),
     };
     bars.clear();
     print(&report, &output.output, output.json)

@@ -45,7 +45,7 @@ pub fn run(args: Args) -> Outcome {
         }
     };
     let bars = Bars::new();
-    let checked = pipeline::check(&scenario, &args.files.cache, &bars);
+    let checked = pipeline::check(&scenario, &args.files.cache.place(), &bars);
     bars.clear();
     let path = scenario.path.display();
     let mut problems: Vec<String> = checked.problems.iter().map(|problem| chain(problem)).collect();

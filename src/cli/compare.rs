@@ -47,13 +47,13 @@ pub struct Args {
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = ranges::number(0.0..=0.999, ""), allow_hyphen_values = true)]
     dark: f64,
     /// Compare at so many pixels along the longer side [default: as many as the elevation model resolves]
-    #[arg(long, value_name = "PIXELS", value_parser = ranges::number(32..=16_384, "pixels"), allow_hyphen_values = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = ranges::number(32_usize..=16_384, "pixels"), allow_hyphen_values = true)]
     size: Option<usize>,
     /// Which exposure of a scenario, counted from 0
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0..=10_000_000, ""), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0_usize..=10_000_000, ""), allow_hyphen_values = true)]
     image: usize,
     /// Band of the photograph, counted from 1, where there are several
-    #[arg(long, value_name = "N", value_parser = ranges::number(1..=65_536, ""), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = ranges::number(1_usize..=65_536, ""), allow_hyphen_values = true)]
     band: Option<usize>,
     /// Leave out the variants of the physics and of the Sun's place
     #[arg(long)]
@@ -149,6 +149,7 @@ pub fn run(args: Args) -> Outcome {
         GeometrySource::File(args.geometry)
     };
     let stem = args.photo.file_stem().unwrap_or_default().to_owned();
+    let cache = args.files.cache.open()?;
     let request = Request {
         photo: args.photo,
         band: args.band,
@@ -164,7 +165,7 @@ pub fn run(args: Args) -> Outcome {
         pixels: args.size,
         ablation: !args.no_ablation,
         turn_sun: !args.no_ablation,
-        cache: args.files.cache,
+        cache: cache.to_path_buf(),
         adapter: args.adapter.into(),
     };
     let output = args.output.unwrap_or_else(|| PathBuf::from("output/compare").join(stem));

@@ -9,9 +9,10 @@ use serde_json::Value as Json;
 
 use super::Outcome;
 
-/// Say what a file or a dataset holds: an OpenEXR or PNG image, a TIFF or horizon tile, a record, a manifest.
+/// Say what a file or a dataset holds: an image (OpenEXR, PNG, TIFF, NPZ), an elevation model, a horizon tile, labels (COCO), a
+/// record, a manifest.
 ///
-/// Of a dataset it also says which files are missing or not those that its manifest names.
+/// Of a dataset it also says how many exposures are finished, and which files are missing or not those that its manifest names.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -29,9 +30,23 @@ Examples:
 
 pub fn run(args: Args) -> Outcome {
     let found = dataset::inspect(&args.file)?;
-    let text = if args.json { format!("{found:#}\n") } else { outline(&found) };
+    let text = if args.json { format!("{found:#}\n") } else { outline(&for_people(found)) };
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(())
+}
+
+/// What reads better in words.
+fn for_people(mut found: Json) -> Json {
+    if let (Some(exposures), Some(planned)) = (found["exposures"].as_u64(), found["exposures_planned"].as_u64()) {
+        found["exposures"] = match exposures == planned {
+            true => exposures.into(),
+            false => format!("{exposures} of {planned}, go on with sim run … --resume").into(),
+        };
+    }
+    if found["missing_or_changed"].as_array().is_some_and(Vec::is_empty) {
+        found["missing_or_changed"] = "none".into();
+    }
+    found
 }
 
 /// JSON as an indented outline: `key: value`, lists of plain values on one line.

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::io::Write as _;
 
+use perilune_engine::dataset::DatasetError;
 use perilune_engine::geometry::Geodetic;
 use perilune_engine::gpu::GpuError;
 use perilune_engine::pipeline;
@@ -11,12 +12,15 @@ use perilune_engine::shadow::DeviceError;
 
 pub mod bars;
 pub mod bench;
+pub mod cache;
 pub mod check;
 mod common;
 pub mod compare;
+pub mod failure;
 pub mod horizon;
 pub mod illuminate;
 pub mod inspect;
+pub mod interrupt;
 pub mod kernels;
 pub mod limits;
 mod ranges;
@@ -78,11 +82,29 @@ fn one_line(error: &dyn Error) -> String {
     error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
+/// An error of the pipeline, and the flag that has to do with it.
+#[derive(Debug)]
+pub struct Flagged {
+    pub error: pipeline::Error,
+    flag: &'static str,
+}
+
+impl std::fmt::Display for Flagged {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{} (see {})", chain(&self.error), self.flag)
+    }
+}
+
+impl Error for Flagged {}
+
 /// An error of the pipeline, with the flag that has to do with it.
 pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
     let flag = match &error {
         pipeline::Error::NoSuchExposures { .. } => "--frames",
         pipeline::Error::NoTiles { .. } => "--tiles",
+        pipeline::Error::Dataset(DatasetError::OtherRun { .. } | DatasetError::ForeignFiles { .. }) => {
+            "-o and --overwrite"
+        }
         pipeline::Error::Gpu(GpuError::TooLarge { .. })
         | pipeline::Error::Render(
             RenderError::Gpu(GpuError::TooLarge { .. })
@@ -90,7 +112,7 @@ pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
         ) => "--adapter cpu",
         _ => return Box::new(error),
     };
-    format!("{} (see {flag})", chain(&error)).into()
+    Box::new(Flagged { error, flag })
 }
 
 #[cfg(test)]

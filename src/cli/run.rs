@@ -1,13 +1,13 @@
 //! `sim run`.
 
-use std::ops::Range;
 use std::path::PathBuf;
 
-use perilune_engine::pipeline::{self, AdapterChoice, Options, Report, Stages};
+use perilune_engine::dataset::{Existing, Folder, folder::plural};
+use perilune_engine::pipeline::{self, AdapterChoice, Frames, Options, Report, Stages};
 
 use super::bars::Bars;
 use super::common::Files;
-use super::{Outcome, print_line, with_flag};
+use super::{Outcome, interrupt, print_line, with_flag};
 
 /// Render a scenario: terrain, horizons, then one image an exposure.
 ///
@@ -23,12 +23,20 @@ pub struct Args {
     output: Option<PathBuf>,
     #[command(flatten)]
     files: Files,
-    /// Render exposures A to B−1 only, counted from 0
-    #[arg(long, value_name = "A..B", value_parser = exposures)]
-    frames: Option<Range<usize>>,
-    /// Keep the exposures that an interrupted run of the same scenario finished
+    /// Render these exposures only, counted from 0: 0,12,20 or 0..24 or every tenth of 0..200..10
+    #[arg(long, value_name = "FRAMES")]
+    frames: Option<Frames>,
+    /// Go on: keep the exposures that are finished, whatever comments, title or number of exposures the scenario has by now.
+    /// Where others would have other pixels, the run is refused and says what differs
     #[arg(long)]
     resume: bool,
+    /// Let go of what the output holds of other runs, and write over files of the same names. With --resume, exposures that
+    /// belong to the scenario stay. Nothing else ever removes or replaces what is finished
+    #[arg(long)]
+    overwrite: bool,
+    /// A first look: a quarter of the size, one ray a pixel, only the horizons towards the Sun; into output/NAME-draft
+    #[arg(long)]
+    draft: bool,
     /// Who renders
     #[arg(long, value_enum, default_value_t)]
     adapter: Adapter,
@@ -40,7 +48,7 @@ pub struct Args {
 const EXAMPLES: &str = "\
 Examples:
   sim run lunar_descent.ron                    all of it, into output/lunar_descent
-  sim run lunar_descent.ron --frames 0..1      a first look
+  sim run lunar_descent.ron --draft --frames 0,12,23   a first look, into output/lunar_descent-draft
   sim run lunar_descent.ron --resume           what is missing
   sim run mine.ron --data ~/dems -o mine       files from ~/dems";
 
@@ -65,22 +73,21 @@ impl From<Adapter> for AdapterChoice {
     }
 }
 
-pub fn exposures(text: &str) -> Result<Range<usize>, String> {
-    let want = || format!("want A..B, as in 0..24, got {text}");
-    let (from, until) = text.split_once("..").ok_or_else(want)?;
-    let number = |part: &str| part.trim().parse::<usize>().map_err(|_| want());
-    Ok(number(from)?..number(until)?)
-}
-
 pub fn run(args: Args) -> Outcome {
     let scenario = args.files.scenario(&args.scenario)?;
+    let (scenario, name) = match args.draft {
+        true => (scenario.clone().draft(), format!("{}-draft", scenario.name)),
+        false => (scenario.clone(), scenario.name),
+    };
+    let cache = args.files.cache.open()?;
     let options = Options {
-        output: args.output.unwrap_or_else(|| PathBuf::from("output").join(&scenario.name)),
-        cache: args.files.cache,
+        output: args.output.unwrap_or_else(|| PathBuf::from("output").join(name)),
+        cache: cache.to_path_buf(),
         exposures: args.frames,
-        resume: args.resume,
+        existing: Existing { resume: args.resume, overwrite: args.overwrite },
         adapter: args.adapter.into(),
     };
+    explain_interrupts(&options);
     let bars = Bars::new();
     let report = pipeline::run(&scenario, &options, &bars).map_err(with_flag)?;
     bars.clear();
@@ -92,9 +99,34 @@ pub fn run(args: Args) -> Outcome {
     Ok(())
 }
 
+/// Ctrl-C tells what there is by then.
+fn explain_interrupts(options: &Options) {
+    let (output, cache) = (options.output.clone(), options.cache.display().to_string());
+    interrupt::explain(move || {
+        let again = interrupt::command(Some("--resume"), "--overwrite");
+        let manifest = Folder::read_manifest(&output);
+        let kept = manifest.and_then(|manifest| {
+            let folder = Folder::read(&output).ok()?;
+            let finished = folder.finished.values().filter(|finished| finished.run_key == manifest.run_key).count();
+            Some(format!(
+                "{finished} of {} kept in {}",
+                plural(manifest.exposures_planned, "exposure"),
+                output.display()
+            ))
+        });
+        match kept {
+            Some(kept) => format!("{kept}, and horizons that are half made in {cache}; go on with: {again}"),
+            None => format!(
+                "no exposure is begun; terrain and horizons that are half made are kept in {cache}; go on with: {again}"
+            ),
+        }
+    });
+}
+
 fn print(report: &Report) -> Outcome {
-    let Report { output, adapter, exposures, rendered, seconds, .. } = report;
-    print_line(format_args!("{exposures} exposures in {}, {rendered} of them rendered now", output.display()))?;
+    let Report { output, adapter, exposures, planned, rendered, seconds, .. } = report;
+    let of = if exposures < planned { format!("{exposures} of ") } else { String::new() };
+    print_line(format_args!("{of}{} in {}, {rendered} rendered now", plural(*planned, "exposure"), output.display()))?;
     print_line(format_args!("rendered by {adapter}"))?;
     print_line(format_args!(
         "terrain {:.1} s, horizons {:.1} s, rendering {:.1} s ({:.2} s an exposure), previews {:.1} s",

@@ -24,10 +24,10 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE.tif")]
     output: PathBuf,
     /// Pixels from west to east
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8..=32_768, "pixels"), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8_usize..=32_768, "pixels"), allow_hyphen_values = true)]
     columns: usize,
     /// Pixels from north to south
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8..=32_768, "pixels"), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8_usize..=32_768, "pixels"), allow_hyphen_values = true)]
     rows: usize,
     /// Distance of pixels, in metres
     #[arg(long, value_name = "M", default_value_t = 20.0, value_parser = ranges::posting, allow_hyphen_values = true)]

@@ -1,245 +1,282 @@
-//! Hostile values: of every number of a scenario, of every number among the arguments, of the environment. None is silent, none
-//! ends the process by a signal.
-//!
-//! `SIM_WRITE=attacks` writes `docs/experiments/attacks.md` from the outcomes.
+//! Long commands killed, interrupted and starved: what has a final name is whole, and the command given again makes the same
+//! bytes as one that nothing disturbed.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Instant;
 
-use perilune_engine::scenario::{SearchPath, resolve};
-use rayon::prelude::*;
 use tempfile::TempDir;
 
 use super::run::SMALL;
 
-/// Scenarios whose numbers are replaced one by one; together they have most keys that take a number.
-const SCENARIOS: [&str; 3] = [SMALL, MANY_KEYS, SWEPT];
-
-const MANY_KEYS: &str = r#"(
-    title: "many keys",
-    terrain: (dems: [
-        Synthetic(columns: 64, rows: 64, posting_m: 20, latitude_deg: -80, longitude_deg: 10, seed: 1),
-    ], centre: (latitude_deg: -80, longitude_deg: 10)),
-    shadows: Auto(max_irradiance_error: 0.02),
-    horizon: Settings(azimuths: 90, search_m: 10000, observer_height_m: 1),
-    surface: (photometry: Hapke(w: 0.3, b: 0.2, c: 0.3, bs0: 1.8, hs: 0.07, theta_bar_deg: 10)),
-    sun: (irradiance_w_m2: 1361, disc: LimbDarkened(wavelength_nm: 550)),
-    earthshine: (albedo: 0.4),
-    ambient: (radiance_w_m2_sr: 0.01),
-    trajectory: Orbit(epoch: "2026-08-01T00:00:00 UTC", semi_major_axis_m: 1850000, eccentricity: 0.01, inclination_deg: 90,
-        node_deg: 10, periapsis_deg: 20, true_anomaly_deg: 200),
-    pointing: (towards: At(latitude_deg: -80, longitude_deg: 10, height_m: 5), roll_deg: 3),
-    camera: (columns: 64, rows: 48, focal_length_mm: 50, pixel_pitch_um: 10, band_nm: (450, 850), f_number: 4, transmission: 0.9, exposure_s: 0.01,
-        samples_per_pixel: 4, moments: 3, distortion: (k1: 0.01, k2: 0.001, k3: 0, p1: 0.001, p2: 0.001)),
-    detector: (quantum_efficiency: 0.5, full_well_e: 50000, dark_current_e_per_s: 3, read_noise_e: 8, gain_e_per_dn: 12,
-        offset_dn: 64, bits: 12, prnu: 0.01, dsnu_e: 2),
-    hazards: (footprint_m: 10, slope_deg: 10, roughness_m: 0.3, sunlit_share: 0.5),
-    exposures: Series(start: "2026-08-01T00:00:00 UTC", step_s: 20, count: 4),
-    outputs: (planes: [radiance, depth], preview: White(radiance_w_m2_sr: 3)),
-    seed: 5,
-)
-"#;
-
-const SWEPT: &str = r#"(
-    title: "swept",
-    terrain: (dems: [
-        Synthetic(columns: 64, rows: 64, posting_m: 20, latitude_deg: -80, longitude_deg: 10, seed: 1),
-    ]),
-    sun: (fixed: (azimuth_deg: 10, elevation_deg: 20, range_au: 1)),
-    surface: (photometry: Minnaert(k: 0.7), albedo: Constant(0.12)),
-    trajectory: Waypoints(points: [(t_s: 0, latitude_deg: -80, longitude_deg: 10, height_m: 3000)]),
-    pointing: (towards: Quaternion(w: 1, x: 0, y: 0, z: 0)),
-    camera: (columns: 64, rows: 64, field_of_view_deg: 30),
-    exposures: List(["2026-08-01T00:00:00 UTC"]),
-    sweep: (design: Sobol(count: 8, seed: 1), sun_azimuth_deg: Range(from: 0, to: 90)),
-    split: (train: 0.5, validation: 0.3, test: 0.2, cell_m: 3000),
-    outputs: (planes: [radiance]),
-)
-"#;
-
-/// What stands in place of a number.
-const VALUES: [&str; 7] = ["NaN", "inf", "-inf", "1e300", "-1e300", "\"many\"", "(1, 2)"];
-
-/// Commands with their arguments that take a number.
-const ARGUMENTS: [(&str, &str); 10] = [
-    ("horizon", "azimuths search observer-height memory posting extent radius"),
-    ("horizon globe", "posting cells margin azimuths observer-height memory check radius"),
-    ("horizon verify", "count seed posting"),
-    ("horizon query", "azimuth-step radius"),
-    ("illuminate", "best apart observer-height azimuths memory check posting extent step lit"),
-    ("terrain", "columns rows posting seed largest smallest density exponent relief roughness at"),
-    ("compare", "dark size image band"),
-    ("bench shadows", "exposure size repeat elevations"),
-    ("bench frame", "repeat frames"),
-    ("run", "frames"),
-];
-
-const HOSTILE: [&str; 6] = ["-1", "NaN", "inf", "-inf", "1e300", "many"];
-
-/// Single attacks by arguments: the command line, its exit code, a part of what is said.
-const SINGLE: [(&str, i32, &str); 14] = [
-    ("horizon x.tif -o t --azimuths 1000000000", 2, "want 4 to 3600"),
-    ("horizon x.tif -o t --search -1", 2, "want 0.001 to 10000000 m"),
-    ("horizon x.tif -o t --memory 0", 2, "want 64 to 16777216 MiB"),
-    ("horizon x.tif -o t --extent 1e12", 2, "want 0.001 to 10000000 m"),
-    ("horizon x.tif -o t --cube --posting 1000000", 2, "want 0.001 to 100000 m"),
-    ("horizon missing.tif -o t", 1, "missing.tif"),
-    ("terrain -o t.tif --columns 100000 --rows 100000", 2, "want 8 to 32768 pixels"),
-    ("terrain -o t.tif --columns 64 --rows 64 --smallest 500 --largest 400", 1, "more than smallest_m"),
-    ("run small.ron --frames 3..1", 1, "names no exposure"),
-    ("run small.ron --frames 0..99", 1, "names no exposure"),
-    ("run .", 1, "."),
-    ("run missing.ron", 1, "no scenario missing.ron"),
-    ("check missing.ron", 1, "no scenario missing.ron"),
-    ("inspect missing", 1, "missing"),
-];
-
-/// Attacks through the shell, in a folder with `small.ron`: exit code, a part of what is said. `SIM` is the program.
-const SHELL: [(&str, i32, &str); 9] = [
-    ("RAYON_NUM_THREADS=100000 SIM check small.ron", 0, "threads are started"),
-    ("RAYON_NUM_THREADS=many SIM check small.ron", 0, "no problems"),
-    ("ulimit -v 200000; SIM run small.ron", 1, "memory: the process may take"),
-    ("ulimit -v 500000; SIM run small.ron", 1, "memory: the process may take"),
-    ("ulimit -v 800000; SIM run small.ron", 1, "memory: the process may take"),
-    ("ulimit -v 4000000; SIM run wide.ron", 1, "memory: the run takes about"),
-    ("ulimit -v 4000000; SIM check wide.ron", 1, "memory: the run takes about"),
-    ("ulimit -v 4000000; SIM terrain -o t.tif --columns 32768 --rows 32768", 1, "memory: 32768 × 32768 pixels take about"),
-    ("HOME= SIM check small.ron", 0, "no problems"),
-];
-
-/// An attack and what became of it.
-struct Outcome {
-    attack: String,
-    code: String,
-    said: String,
+/// A command of some seconds, and the folders in which its results lie.
+struct Long {
+    name: &'static str,
+    arguments: &'static [&'static str],
+    results: &'static [&'static str],
+    /// Names of results that hold no times.
+    compared: fn(&str) -> bool,
+    again: &'static [&'static str],
 }
 
-/// Places of the numbers of a text that stand behind a key: the key, and where its number begins and ends.
-fn numbers(text: &str) -> Vec<(String, usize, usize)> {
-    let bytes = text.as_bytes();
-    let is_number = |at: usize| bytes[at].is_ascii_digit() || b"-.e".contains(&bytes[at]);
-    let mut found = Vec::new();
-    for (colon, _) in text.match_indices(": ") {
-        let start = colon + 2;
-        let end = (start..bytes.len()).find(|at| !is_number(*at)).unwrap_or(bytes.len());
-        let key_start = text[..colon].rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
-        if text[start..end].parse::<f64>().is_ok() {
-            found.push((text[key_start..colon].to_owned(), start, end));
-        }
-    }
-    found
+const DEM: [&str; 10] =
+    ["terrain", "-o", "dem.tif", "--columns", "160", "--rows", "160", "--at", "-89,20", "--smallest=200"];
+
+fn is_tile(name: &str) -> bool {
+    name.ends_with(".tif")
 }
 
-/// Every number of every scenario by every hostile value: refused with the key, before anything is opened.
-fn of_scenarios() -> Vec<Outcome> {
+const LONG: [Long; 4] = [
+    Long {
+        name: "run",
+        arguments: &["run", "small.ron", "-o", "out", "--cache", "cache", "--adapter", "cpu"],
+        results: &["out", "cache/horizon", "cache/terrain"],
+        compared: |_| true,
+        again: &["--resume"],
+    },
+    Long {
+        name: "horizon",
+        arguments: &["horizon", "dem.tif", "-o", "out", "--azimuths", "180"],
+        results: &["out"],
+        compared: is_tile,
+        again: &[],
+    },
+    Long {
+        name: "globe",
+        arguments: &[
+            "horizon",
+            "globe",
+            "globe.tif",
+            "-o",
+            "out",
+            "--cells",
+            "16",
+            "--margin",
+            "40",
+            "--azimuths",
+            "40",
+            "--check",
+            "2",
+        ],
+        results: &["out"],
+        compared: is_tile,
+        again: &[],
+    },
+    Long {
+        name: "illuminate",
+        arguments: &[
+            "illuminate",
+            "dem.tif",
+            "-o",
+            "out",
+            "--cache",
+            "cache",
+            "--encoding",
+            "fm16",
+            "--from",
+            "2026-01-01Z",
+            "--until",
+            "2026-02-01Z",
+            "--step",
+            "2h",
+            "--at",
+            "-89,20",
+            "--azimuths",
+            "90",
+            "--check",
+            "4",
+        ],
+        results: &["out", "cache/horizon"],
+        compared: |name| is_tile(name) || name.ends_with(".csv"),
+        again: &[],
+    },
+];
+
+/// A height every 12° of latitude and longitude, in degrees.
+fn write_globe(path: &Path) {
+    let (columns, rows) = (60, 30);
+    let height = |index: usize| 2000.0 * (((index * 7919) % 1013) as f32 / 1013.0);
+    let values: Vec<f32> = (0..columns * rows).map(height).collect();
+    let bands = vec![perilune_engine::raster::GeoTiffBand { name: "height", unit: "m", values: &values }];
+    let crs = "+proj=eqc +lat_ts=0 +lon_0=0 +R=1737400 +units=m +no_defs";
+    let step_m = std::f64::consts::TAU * 1_737_400.0 / columns as f64;
+    let geotransform = [-step_m * 30.0, step_m, 0.0, step_m * 15.0, 0.0, -step_m];
+    perilune_engine::raster::GeoTiff { columns, rows, bands, crs, geotransform }.write(path).unwrap();
+}
+
+/// What commands start from.
+fn inputs() -> TempDir {
     let folder = TempDir::new().unwrap();
-    let path = folder.path().join("attacked.ron");
-    let places = SearchPath { beside: folder.path().into(), data: Vec::new() };
-    let mut outcomes = Vec::new();
-    for text in SCENARIOS {
-        resolve(&path, text, &places, &|_| None).unwrap();
-        for (key, start, end) in numbers(text) {
-            for value in VALUES {
-                let attacked = format!("{}{value}{}", &text[..start], &text[end..]);
-                let attack = format!("`{key}: {value}`");
-                let problems = match resolve(&path, &attacked, &places, &|_| None) {
-                    Ok(_) => panic!("{attack} is taken in silence"),
-                    Err(error) => error,
-                };
-                let named = problems.problems().iter().find(|problem| problem.key.contains(&key));
-                let said = named.unwrap_or_else(|| panic!("{attack}: {problems}")).to_string();
-                outcomes.push(Outcome { attack, code: "refused".into(), said });
-            }
+    std::fs::write(folder.path().join("small.ron"), SMALL).unwrap();
+    let made = Command::new(env!("CARGO_BIN_EXE_sim")).args(DEM).current_dir(folder.path()).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    write_globe(&folder.path().join("globe.tif"));
+    folder
+}
+
+fn copied(inputs: &Path) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    for name in ["small.ron", "dem.tif", "globe.tif"] {
+        std::fs::copy(inputs.join(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+/// All files below a folder, by their paths from another.
+fn collect(from: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(from, &path, found);
+        } else {
+            found.insert(path.strip_prefix(from).unwrap().into(), std::fs::read(&path).unwrap());
         }
     }
-    outcomes
 }
 
-fn told(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
-}
-
-/// The line that says what is wrong, without the folder of the test.
-fn line(told: &str, part: &str, folder: &Path) -> String {
-    let line = told.lines().find(|line| line.contains(part)).or(told.lines().next()).unwrap_or_default();
-    line.replace(&folder.display().to_string(), "").trim_start_matches("error: ").to_owned()
-}
-
-fn sim(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sim")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-/// Every number among the arguments by every hostile value: refused as a wrong argument, by its name.
-fn of_arguments(folder: &Path) -> Vec<Outcome> {
-    let flags = ARGUMENTS.iter().flat_map(|(command, flags)| flags.split(' ').map(move |flag| (*command, flag)));
-    let attacks: Vec<_> = flags.flat_map(|(command, flag)| HOSTILE.map(|value| (command, flag, value))).collect();
-    let outcome = |&(command, flag, value): &(&str, &str, &str)| {
-        let argument = format!("--{flag}={value}");
-        let arguments: Vec<&str> = command.split(' ').chain([argument.as_str()]).collect();
-        let output = sim(folder, &arguments);
-        let attack = format!("`sim {command} {argument}`");
-        let said = told(&output);
-        assert_eq!(output.status.code(), Some(2), "{attack}: {said}");
-        assert!(said.contains(&format!("--{flag}")), "{attack}: {said}");
-        Outcome { attack, code: "2".into(), said: line(&said, "--", folder) }
-    };
-    attacks.par_iter().map(outcome).collect()
-}
-
-fn of_single_lines(folder: &Path) -> Vec<Outcome> {
-    let outcome = |&(arguments, code, part): &(&str, i32, &str)| {
-        let output = sim(folder, &arguments.split(' ').collect::<Vec<_>>());
-        checked(&format!("sim {arguments}"), &output, code, part, folder)
-    };
-    let mut outcomes: Vec<Outcome> = SINGLE.par_iter().map(outcome).collect();
-    if cfg!(target_os = "linux") {
-        outcomes.extend(SHELL.iter().map(|&(script, code, part)| {
-            let program = script.replace("SIM", env!("CARGO_BIN_EXE_sim"));
-            let output = Command::new("sh").args(["-c", &program]).current_dir(folder).output().unwrap();
-            checked(&script.replace("SIM", "sim"), &output, code, part, folder)
-        }));
+impl Long {
+    fn command(&self, folder: &Path, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sim"));
+        command.args(self.arguments).args(more).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
+        command
     }
-    outcomes
+
+    /// Under limits of the shell, as in `ulimit -f 8`.
+    fn limited(&self, folder: &Path, limit: &str) -> Output {
+        let mut command = Command::new("sh");
+        let script = format!("trap '' XFSZ; {limit}; exec \"$@\"");
+        command.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_sim")]).args(self.arguments).current_dir(folder);
+        command.output().unwrap()
+    }
+
+    fn succeed(&self, folder: &Path, more: &[&str]) {
+        let output = self.command(folder, more).output().unwrap();
+        assert!(output.status.success(), "{}: {}", self.name, String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// Results by name, without temporary files.
+    fn results(&self, folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut found = BTreeMap::new();
+        for name in self.results {
+            collect(folder, &folder.join(name), &mut found);
+        }
+        found.retain(|path, _| {
+            let name = path.file_name().unwrap().to_str().unwrap();
+            !name.starts_with('.') && (self.compared)(name)
+        });
+        found
+    }
+
+    /// Whether what a stopped command has left under final names is whole: tiles and planes are those of the whole run.
+    fn assert_whole(&self, folder: &Path, whole: &BTreeMap<PathBuf, Vec<u8>>, when: &str) {
+        for (path, bytes) in self.results(folder) {
+            let changes = ["json", "png", "csv", "gif", "md", "checkpoint"]
+                .iter()
+                .any(|end| path.to_string_lossy().ends_with(end));
+            assert!(
+                changes || whole.get(&path) == Some(&bytes),
+                "{} {when}: {} is not whole",
+                self.name,
+                path.display()
+            );
+        }
+    }
+
+    fn assert_same(&self, folder: &Path, whole: &BTreeMap<PathBuf, Vec<u8>>, when: &str) {
+        let results = self.results(folder);
+        let names = whole.keys().chain(results.keys());
+        let differing: Vec<_> = names.filter(|name| whole.get(*name) != results.get(*name)).collect();
+        assert!(differing.is_empty(), "{} {when}: {differing:?}", self.name);
+    }
 }
 
-fn checked(attack: &str, output: &Output, code: i32, part: &str, folder: &Path) -> Outcome {
-    let said = told(output);
-    assert!(output.status.code() == Some(code) && said.contains(part), "{attack}: {:?}, {said}", output.status);
-    Outcome { attack: format!("`{attack}`"), code: code.to_string(), said: line(&said, part, folder) }
+/// Numbers in [0, 1) that a seed gives.
+fn moments(seed: u64, count: usize) -> Vec<f64> {
+    let mut state = seed;
+    let mut next = || {
+        // Knuth's MMIX.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+/// Kills a command at moments of its time, by SIGKILL and SIGINT in turn, and gives it again; how many were stopped before their
+/// end.
+fn interrupted(long: &Long, inputs: &Path, seed: u64, count: usize) -> usize {
+    let reference = copied(inputs);
+    let start = Instant::now();
+    long.succeed(reference.path(), &[]);
+    let (took, whole) = (start.elapsed(), long.results(reference.path()));
+    assert!(!whole.is_empty(), "{}", long.name);
+    let mut stopped = 0;
+    for (index, moment) in moments(seed, count).into_iter().enumerate() {
+        let folder = copied(inputs);
+        let mut child = long.command(folder.path(), &[]).spawn().unwrap();
+        std::thread::sleep(took.mul_f64(moment));
+        let by_hand = index % 2 == 1;
+        if by_hand {
+            Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        } else {
+            child.kill().unwrap();
+        }
+        let output = child.wait_with_output().unwrap();
+        let when = format!("stopped at {moment:.3} of its time");
+        // By the signal itself where it came before anybody listened.
+        if let Some(code) = output.status.code().filter(|code| by_hand && *code != 0) {
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(code, 130, "{} {when}: {said}", long.name);
+            assert!(said.contains("interrupted: ") && said.contains("sim "), "{} {when}: {said}", long.name);
+        }
+        stopped += usize::from(!output.status.success());
+        long.assert_whole(folder.path(), &whole, &when);
+        long.succeed(folder.path(), long.again);
+        long.assert_same(folder.path(), &whole, &when);
+    }
+    stopped
 }
 
 #[test]
-fn no_attack_is_silent() {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("small.ron"), SMALL).unwrap();
-    let wide = SMALL.replace("columns: 64, rows: 64,", "columns: 16384, rows: 4096,");
-    std::fs::write(folder.path().join("wide.ron"), wide).unwrap();
-    let groups = [
-        ("Numbers of a scenario", of_scenarios()),
-        ("Numbers among the arguments", of_arguments(folder.path())),
-        ("Sizes, files, environment, limits", of_single_lines(folder.path())),
-    ];
-    let attacks: usize = groups.iter().map(|(_, outcomes)| outcomes.len()).sum();
-    assert!(attacks > 200, "{attacks}");
-    if std::env::var("SIM_WRITE").is_ok_and(|wanted| wanted == "attacks") {
-        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/experiments/attacks.md");
-        std::fs::write(page, page_of(&groups, attacks)).unwrap();
+#[cfg(unix)]
+fn long_commands_stopped_twice_each_make_the_same_bytes_when_given_again() {
+    let inputs = inputs();
+    let stopped: usize = LONG.iter().map(|long| interrupted(long, inputs.path(), 1, 2)).sum();
+    assert!(stopped >= 3, "only {stopped} of 8 were stopped before their end");
+}
+
+/// Minutes: `cargo test --release --test perilune -- --ignored stopped_ten_times`.
+#[test]
+#[ignore = "minutes"]
+#[cfg(unix)]
+fn long_commands_stopped_ten_times_each_make_the_same_bytes_when_given_again() {
+    let inputs = inputs();
+    for (seed, long) in (10..).zip(&LONG) {
+        let stopped = interrupted(long, inputs.path(), seed, 10);
+        println!("{}: 10 of 10 make the same bytes, {stopped} stopped before their end", long.name);
     }
 }
 
-fn page_of(groups: &[(&str, Vec<Outcome>)], attacks: usize) -> String {
-    let mut page = format!(
-        "# Attacks\n\nWhat does the program say to hostile numbers, sizes, limits? {attacks} attacks; none is silent, none ends the \
-         process by a signal.\n\nCommand: `SIM_WRITE=attacks cargo test --release --test perilune no_attack_is_silent`, which holds \
-         every outcome against what is expected. What it does not show: files of other programs, which the tests of readers \
-         attack, and time.\n"
-    );
-    for (group, outcomes) in groups {
-        page += &format!("\n## {group}\n\n| attack | exit code | what is said |\n|---|---|---|\n");
-        for Outcome { attack, code, said } in outcomes {
-            let [attack, said] = [attack, said].map(|text| text.replace('|', "\\|"));
-            page += &format!("| {attack} | {code} | {said} |\n");
+/// Files of limited size, few descriptors, little memory: an error or the whole result, nothing between, and afterwards the
+/// same bytes.
+#[test]
+#[cfg(target_os = "linux")]
+fn limits_leave_whole_files_or_none() {
+    let inputs = inputs();
+    for long in &LONG {
+        let reference = copied(inputs.path());
+        long.succeed(reference.path(), &[]);
+        let whole = long.results(reference.path());
+        for limit in ["ulimit -f 0", "ulimit -f 40", "ulimit -f 200", "ulimit -n 12", "ulimit -v 300000"] {
+            let folder = copied(inputs.path());
+            let output = long.limited(folder.path(), limit);
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            if output.status.code() == Some(1) {
+                assert!(said.contains("error: "), "{} {limit}: {said}", long.name);
+            }
+            long.assert_whole(folder.path(), &whole, limit);
+            long.succeed(folder.path(), long.again);
+            long.assert_same(folder.path(), &whole, limit);
         }
     }
-    page
 }

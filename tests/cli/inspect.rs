@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use perilune_engine::dataset::{Exposure, ExposureMetadata, Run, Settings, White, Writer};
+use perilune_engine::dataset::{Existing, Exposure, ExposureMetadata, Run, Settings, White, Writer};
 use perilune_engine::render::{Image, Plane, Quantity};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -13,7 +13,7 @@ fn dataset() -> TempDir {
     let folder = TempDir::new().unwrap();
     let run = Run { title: "a test".into(), name: "test".into(), ..Run::default() };
     let settings = Settings { tiff: true, animation: true, overlay: false, white: White::Auto, formats: Vec::new() };
-    let mut writer = Writer::open(folder.path(), run, 2, settings).unwrap();
+    let mut writer = Writer::open(folder.path(), run, vec![Value::Null; 2], settings, Existing::default()).unwrap();
     for index in 0..2 {
         let values = (0..8).map(|pixel| 2.0 * pixel as f32).collect();
         let planes = vec![Plane { quantity: Quantity::Radiance, name: "RADIANCE", values }];
@@ -59,7 +59,7 @@ fn an_image_shows_its_channels_units_and_values() {
 fn a_preview_states_its_scale_and_a_tiff_its_pages() {
     let folder = dataset();
     let preview = inspect(&folder.path().join("exposure_0000.png"));
-    assert_eq!(preview["comment"], "RADIANCE [W m-2 sr-1], linear: DN 65535 = 1.4e1 W m-2 sr-1");
+    assert_eq!(preview["comment"], "RADIANCE [W m-2 sr-1], sRGB: white is 1.4e1 W m-2 sr-1");
     assert_eq!(preview["statistics_16_bit"]["maximum"], 65535.0);
     let tiff = inspect(&folder.path().join("exposure_0000.tif"));
     assert_eq!(tiff["pages"][0]["description"], "RADIANCE [W m-2 sr-1]");

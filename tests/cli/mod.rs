@@ -3,15 +3,18 @@
 mod alone;
 mod attacks;
 mod bad_input;
+mod cache;
 mod camera;
 mod ephemeris;
 mod facts;
 mod horizon;
+mod hostile;
 mod illuminate;
 mod inspect;
 mod labels;
 mod light;
 mod methods;
+mod progress;
 pub mod run;
 mod run_input;
 mod scenario;

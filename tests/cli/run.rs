@@ -93,14 +93,121 @@ fn the_same_scenario_makes_the_same_bytes_elsewhere_with_or_without_a_cache() {
 }
 
 #[test]
-fn another_seed_is_another_run_and_leaves_no_file_of_the_first() {
+fn another_seed_is_another_run_and_loses_nothing_of_the_first() {
+    let run = Run::of(SMALL);
+    run.succeed(&["--frames", "0..2"]);
+    let first = run.files();
+    std::fs::write(run.path("small.ron"), SMALL.replace("seed: 1", "seed: 2")).unwrap();
+    for arguments in [&["--resume"][..], &[], &["--frames", "3", "--resume"]] {
+        let output = run.sim(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("holds 2 exposures of another run"), "{said}");
+        assert!(said.contains("scenario.terrain.dems[0].Synthetic.seed was 1, is 2"), "{said}");
+        assert!(said.contains("--overwrite") && said.contains("-o"), "{said}");
+        assert_eq!(differing(&first, &run.files()), Vec::<String>::new());
+    }
+    run.succeed(&["--overwrite", "--frames", "3"]);
+    let left = run.files();
+    assert!(left.contains_key("exposure_0003.exr") && !left.contains_key("exposure_0000.exr"));
+}
+
+/// Comments, title and count are no part of what shapes the pixels.
+#[test]
+fn finished_exposures_stay_where_the_pixels_would_be_the_same() {
     let run = Run::of(SMALL);
     run.succeed(&[]);
     let first = run.files();
-    std::fs::write(run.path("small.ron"), SMALL.replace("seed: 1", "seed: 2")).unwrap();
-    run.succeed(&["--resume"]);
-    let changed = differing(&first, &run.files());
-    assert!(changed.iter().any(|name| name == "exposure_0000.exr") && changed.len() > 8, "{changed:?}");
+    let changes = [
+        ("title: \"a small descent\"", "/* a comment */ title: \"another title\""),
+        ("count: 4", "count: 3"),
+        ("count: 3", "count: 4"),
+        ("outputs: (", "outputs: (animation: false, preview: White(radiance_w_m2_sr: 20), "),
+    ];
+    let mut text = SMALL.to_owned();
+    for (from, to) in changes {
+        assert!(text.contains(from));
+        text = text.replace(from, to);
+        std::fs::write(run.path("small.ron"), &text).unwrap();
+        let said = run.succeed(&["--resume"]);
+        assert!(said.contains("4 exposures in") && said.contains(", 0 rendered now"), "{said}");
+        let changed = differing(&first, &run.files());
+        assert!(!changed.iter().any(|name| name.ends_with(".exr")), "{changed:?}");
+    }
+    let longer = Run::of(&SMALL.replace("count: 4", "count: 2"));
+    longer.succeed(&[]);
+    std::fs::write(longer.path("small.ron"), SMALL).unwrap();
+    let said = longer.succeed(&["--resume", "--frames", "2..4"]);
+    assert!(said.contains("4 exposures in") && said.contains(", 2 rendered now"), "{said}");
+    assert_eq!(differing(&first, &longer.files()), Vec::<String>::new());
+}
+
+#[test]
+fn a_folder_with_other_files_is_refused_before_the_work() {
+    let run = Run::of(SMALL);
+    std::fs::create_dir(run.path("out")).unwrap();
+    for name in ["exposure_0000.exr", "contact_sheet.png"] {
+        std::fs::write(run.path("out").join(name), "mine").unwrap();
+    }
+    for arguments in [&[][..], &["--resume"]] {
+        let output = run.sim(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("(contact_sheet.png, exposure_0000.exr)") && said.contains("--overwrite"), "{said}");
+        assert!(!run.path("cache").exists());
+    }
+    assert!(run.files().values().all(|bytes| bytes == b"mine"));
+}
+
+#[test]
+fn damage_is_noticed_told_and_mended() {
+    let run = Run::of(SMALL);
+    run.succeed(&[]);
+    let whole = run.files();
+    for name in ["exposure_0001.exr", "exposure_0002.png", "exposure_0003.json", "manifest.json"] {
+        let mut bytes = whole[name].clone();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(run.path("out").join(name), bytes).unwrap();
+        let output = run.sim(&["--resume"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && said.contains(name), "{name}: {said}");
+        assert_eq!(differing(&whole, &run.files()), Vec::<String>::new(), "{name}");
+    }
+}
+
+/// Eight processes at once, each with its part, on a cold cache and one folder.
+#[test]
+fn parts_that_run_at_once_make_the_whole() {
+    let scenario = SMALL.replace("step_s: 10, count: 4", "step_s: 4, count: 8").replace("azimuths: 64", "azimuths: 32");
+    let [run, whole] = [Run::of(&scenario), Run::of(&scenario)];
+    whole.succeed(&[]);
+    let parts: Vec<_> = (0..8)
+        .map(|part| {
+            let mut command = run.command(&["--resume", "--frames", &format!("{part}")]);
+            command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+        })
+        .collect();
+    for part in parts {
+        let output = part.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert_eq!(differing(&whole.files(), &run.files()), Vec::<String>::new());
+    let tiles = files(&run.path("cache/horizon"));
+    assert!(tiles.keys().all(|name| name.ends_with(".tif")), "{:?}", tiles.keys());
+}
+
+/// The same exposures by two processes: each finds the other's, or makes the same.
+#[test]
+fn two_runs_of_the_same_exposures_do_not_harm_each_other() {
+    let [run, whole] = [Run::of(SMALL), Run::of(SMALL)];
+    whole.succeed(&[]);
+    let spawn = || run.command(&["--resume"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    for child in [spawn(), spawn()] {
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert_eq!(differing(&whole.files(), &run.files()), Vec::<String>::new());
 }
 
 /// Kills at ten moments spread over the time that a whole run takes, then resumes.
@@ -225,8 +332,10 @@ fn check_looks_at_kernels_and_poses_without_making_terrain() {
     std::fs::rename(run.path("cache"), low.path("cache")).unwrap();
     let output = check(&low, &["--json"]);
     assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.lines().count() == 4 && said.lines().all(|line| line.contains("the camera must be above")), "{said}");
+    let said: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
+    let problems = said["problems"].as_array().unwrap();
+    let above = |problem: &serde_json::Value| problem["message"].as_str().unwrap().contains("the camera must be above");
+    assert!(problems.len() == 4 && problems.iter().all(above), "{said}");
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["problems"].as_array().unwrap().len(), 4);
 

@@ -25,7 +25,7 @@ def exr(folder):
 def png(folder):
     import rasterio
 
-    with rasterio.open(folder / "exposure_0001.png") as file:
+    with rasterio.open(folder / "exposure_0001.linear.png") as file:
         return {"dtype": file.dtypes[0], "dn": int(file.read(1)[ROW, COLUMN])}
 
 

@@ -4,6 +4,7 @@ mod closed_forms;
 mod encodings;
 mod exact;
 mod gpu;
+mod hostile;
 mod programs;
 pub mod scene;
 mod sweep;

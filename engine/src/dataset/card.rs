@@ -6,6 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
+use serde_json::Value as Json;
+
 use super::format::Format;
 use super::manifest::{PreviewScale, Run};
 use super::record::{ExposureMetadata, PlaneRecord, Record};
@@ -53,6 +55,11 @@ impl Card<'_> {
             software.version,
             software.adapter
         );
+        if self.run.draft {
+            text.push_str(
+                "\n**A draft**, for a first look: a quarter of the size, one ray a pixel, the quickest shadows.\n",
+            );
+        }
         let Some(first) = self.facts().next() else { return Some(text) };
         let epochs: Vec<&str> = self.facts().map(|facts| facts.epoch.utc.as_str()).collect();
         let (earliest, latest) = (epochs.iter().min().unwrap_or(&""), epochs.iter().max().unwrap_or(&""));
@@ -85,13 +92,22 @@ impl Card<'_> {
     fn how(&self) -> Option<String> {
         let mut text = String::from("## How it was made\n\n");
         let settings = self.run.settings.as_object()?;
-        let own_words = |key: &String| ["sweep", "split"].contains(&key.as_str());
+        let own_words = |key: &String| ["sweep", "split", "camera_preset", "resampling"].contains(&key.as_str());
         for (key, value) in settings.iter().filter(|(key, value)| !own_words(key) && !value.is_null()) {
             let lines = value.as_array().cloned().unwrap_or_else(|| vec![value.clone()]);
             for line in lines {
                 let shown = line.as_str().map_or_else(|| line.to_string(), String::from);
                 let _ = writeln!(text, "- {}: {shown}", key.replace('_', " "));
             }
+        }
+        for (model, line) in (1..).zip(settings.get("resampling").and_then(Json::as_array).into_iter().flatten()) {
+            let line = line.as_str().unwrap_or_default().trim_start_matches("resampling: ");
+            let _ =
+                writeln!(text, "- resampling of model {model}{}: {line}", if model == 1 { ", the finest" } else { "" });
+        }
+        if let Some(preset) = settings.get("camera_preset") {
+            let name = preset["name"].as_str().unwrap_or_default();
+            let _ = writeln!(text, "- camera preset: {name}, its figures stand in `manifest.json`");
         }
         if let Some(sensor) = self.facts().next().map(|facts| &facts.sensor) {
             let gain = sensor.gain_e_per_dn.map_or("ideal".into(), |gain| format!("{gain} electrons per DN"));
@@ -141,21 +157,19 @@ impl Card<'_> {
     fn files(&self) -> Option<String> {
         let mut text = String::from(
             "## Files\n\n\
-             - `exposure_NNNN.exr`: planes, float32, lossless, a channel each\n\
              - `exposure_NNNN.json`: record of epoch, pose, Sun, camera, inputs, hashes\n\
              - `poses.csv`: camera and Sun, a line an exposure\n\
              - `manifest.json`: what made the dataset, from what, all files with their SHA-256\n",
         );
         if let Some(PreviewScale { channel, white, unit }) = self.preview {
-            let _ = writeln!(
-                text,
-                "- `exposure_NNNN.png`: preview of {channel}, 16 bits, linear, white is {white:e} {unit}"
-            );
+            let _ =
+                writeln!(text, "- `exposure_NNNN.png`: preview of {channel}, 8 bits, sRGB, white is {white:e} {unit}");
         }
         if self.tiff {
             text.push_str("- `exposure_NNNN.tif`: planes as pages of a TIFF\n");
         }
-        for format in self.formats {
+        let exr = Format::writes_exr(self.formats).then_some(Format::Exr);
+        for format in exr.iter().chain(self.formats.iter().filter(|format| **format != Format::Exr)) {
             let _ = writeln!(text, "- {}", format.about());
         }
         Some(text)

@@ -1,14 +1,19 @@
-//! The formats in which a dataset can be had besides OpenEXR, PNG and JSON.
+//! The formats in which a dataset can be had besides PNG and JSON.
 
 use serde::{Deserialize, Serialize};
 
 /// Files for the readers of other fields. Each is written where it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 pub enum Format {
+    /// `exposure_0007.exr`: planes as 32-bit floats, lossless, compressed. Written too where no other format of all planes
+    /// (Fits, Npz) is named.
+    Exr,
     /// `exposure_0007.fits`: planes as image extensions, with `DATE-OBS`, `EXPTIME`, `BUNIT`, camera, pose, Sun and kernels.
     Fits,
     /// `exposure_0007.npz`: planes, camera matrix and pose as arrays for `numpy.load`.
     Npz,
+    /// `exposure_0007.linear.png`: the plane of the preview in 16 bits, linear, on the preview's scale.
+    Png16,
     /// `exposure_0007.ortho.tif`: planes on a map, as a GeoTIFF with its reference system.
     GeoTiff,
     /// `annotations.coco.json`: craters with bounding box, mask, ellipse, conic and flags; needs `landmarks`.
@@ -26,11 +31,20 @@ pub enum Format {
 }
 
 impl Format {
+    /// Whether OpenEXR is written where these formats are asked for: by name, or because nothing else would hold all planes.
+    pub fn writes_exr(formats: &[Self]) -> bool {
+        formats.contains(&Self::Exr) || !formats.iter().any(|format| matches!(format, Self::Fits | Self::Npz))
+    }
+
     /// Its files and what they hold, for the dataset's card.
     pub fn about(self) -> &'static str {
         match self {
+            Self::Exr => "`exposure_NNNN.exr`: planes, float32, lossless, a channel each",
             Self::Fits => "`exposure_NNNN.fits`: planes as image extensions, row 1 is the top of the image",
             Self::Npz => "`exposure_NNNN.npz`: planes, `K`, pose and Sun as arrays for `numpy.load`",
+            Self::Png16 => {
+                "`exposure_NNNN.linear.png`: the plane of the preview, 16 bits, linear, DN 65535 is the preview's white"
+            }
             Self::GeoTiff => {
                 "`exposure_NNNN.ortho.tif`: planes on a stereographic map, a GeoTIFF; where ground is seen"
             }

@@ -3,7 +3,6 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::preview::gamma;
 use crate::labels::{Ellipse, Landmark};
 
 /// `exposure_0007.landmarks.json`.
@@ -26,9 +25,9 @@ const LIT: [u8; 3] = [60, 220, 60];
 const DARK: [u8; 3] = [255, 170, 0];
 const HIDDEN: [u8; 3] = [230, 60, 60];
 
-/// A preview in colour, gamma 2.2, with an ellipse for each landmark.
-pub fn overlay(dn: &[u16], columns: usize, landmarks: &[Landmark]) -> Vec<u8> {
-    let mut rgb: Vec<u8> = dn.iter().flat_map(|&dn| [gamma(f64::from(dn)); 3]).collect();
+/// A preview in colour with an ellipse for each landmark.
+pub fn overlay(grey: &[u8], columns: usize, landmarks: &[Landmark]) -> Vec<u8> {
+    let mut rgb: Vec<u8> = grey.iter().flat_map(|&grey| [grey; 3]).collect();
     for landmark in landmarks {
         let color = match landmark {
             Landmark { occluded: true, .. } => HIDDEN,

@@ -14,11 +14,11 @@
 //! # References
 //! NumPy Enhancement Proposal 1 (NPY format).
 
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read as _, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::error::DatasetError;
 use super::record::ExposureMetadata;
@@ -70,6 +70,53 @@ fn npy(kind: &str, shape: &[usize], values: &[u8]) -> Vec<u8> {
     bytes.extend(format!("{dictionary:<width$}\n", width = length - 1).bytes());
     bytes.extend(values);
     bytes
+}
+
+/// An array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    pub name: String,
+    /// NumPy's name of the type, as in `<f4`.
+    pub kind: String,
+    pub shape: Vec<usize>,
+    /// The values where they are little-endian 32-bit floats; else nothing.
+    pub single: Vec<f32>,
+}
+
+/// The arrays of a file whose arrays are stored as they are. `path` names it in errors.
+pub fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Array>, DatasetError> {
+    let error = |source| DatasetError::DecodeNpz { path: path.to_path_buf(), source };
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(error)?;
+    let mut arrays = Vec::new();
+    for index in 0..archive.len() {
+        let mut file = archive.by_index(index).map_err(error)?;
+        let name = file.name().map_err(error)?.trim_end_matches(".npy").to_owned();
+        let mut array = Vec::new();
+        file.read_to_end(&mut array).map_err(|source| error(source.into()))?;
+        arrays.push(parse(name, &array).ok_or_else(|| DatasetError::UnknownFile { path: path.to_path_buf() })?);
+    }
+    Ok(arrays)
+}
+
+/// A NPY file of any version.
+fn parse(name: String, bytes: &[u8]) -> Option<Array> {
+    let [major, _] = *bytes.strip_prefix(b"\x93NUMPY")?.first_chunk()?;
+    let (length, start) = match major {
+        1 => (usize::from(u16::from_le_bytes(*bytes.get(8..)?.first_chunk()?)), 10),
+        _ => (u32::from_le_bytes(*bytes.get(8..)?.first_chunk()?) as usize, 12),
+    };
+    let header = std::str::from_utf8(bytes.get(start..start + length)?).ok()?;
+    let after = |key: &str| header.split_once(key).map(|(_, rest)| rest);
+    let kind = after("'descr': '")?.split('\'').next()?.to_owned();
+    let sides = after("'shape': (")?.split(')').next()?.split(',').map(str::trim).filter(|side| !side.is_empty());
+    let shape = sides.map(|side| side.parse().ok()).collect::<Option<Vec<usize>>>()?;
+    let values = bytes.get(start + length..)?;
+    let single = match kind.as_str() {
+        "<f4" => values.as_chunks().0.iter().map(|value| f32::from_le_bytes(*value)).collect(),
+        _ => Vec::new(),
+    };
+    (kind != "<f4" || single.len() == shape.iter().product::<usize>()).then_some(())?;
+    Some(Array { name, kind, shape, single })
 }
 
 #[cfg(test)]

@@ -37,10 +37,13 @@ mod tests {
         let record = Record {
             schema_version: String::new(),
             run_key: String::new(),
+            exposure_key: String::new(),
+            made_from: serde_json::Value::Null,
             facts,
             planes: Vec::new(),
             preview: None,
             files: Vec::new(),
+            sha256: String::new(),
         };
         let text = csv(&[record.clone(), record]);
         let columns: Vec<usize> = text.lines().map(|line| line.split(',').count()).collect();

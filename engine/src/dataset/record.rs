@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::plane_statistics::Statistics;
+use super::seal;
 use crate::render::{Image, Quantity};
 
 /// Grows with every change that a reader must know about.
@@ -13,14 +15,36 @@ pub const SCHEMA_VERSION: &str = "1.0";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     pub schema_version: String,
-    /// Hash of all that shapes the run; two exposures with one key belong together.
+    /// Hash of all that shapes the pixels of the run; two exposures with one key belong together.
     pub run_key: String,
+    /// Hash of the run's key and `made_from`; an exposure with the same key has the same pixels.
+    #[serde(default)]
+    pub exposure_key: String,
+    /// What shapes the pixels of this exposure besides what it shares with the run's others.
+    #[serde(default)]
+    pub made_from: serde_json::Value,
     #[serde(flatten)]
     pub facts: ExposureMetadata,
     pub planes: Vec<PlaneRecord>,
     /// The preview's scale follows from the whole sequence, so it is filled in last.
     pub preview: Option<PreviewRecord>,
     pub files: Vec<FileRecord>,
+    /// Of all that stands before it in the file.
+    #[serde(default)]
+    pub sha256: String,
+}
+
+impl Record {
+    /// The file, which ends with the hash of what comes before.
+    pub fn text(&self) -> String {
+        seal::sealed(&Self { sha256: String::new(), ..self.clone() })
+    }
+
+    /// Reads a file; an error says what is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let record: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        seal::check(text, &record.sha256).map(|()| record)
+    }
 }
 
 /// What is known of an exposure before it is written.
@@ -31,6 +55,9 @@ pub struct ExposureMetadata {
     /// Absent: the run has no sweep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepRecord>,
+    /// For a first look only: a quarter of the size, one ray a pixel. Absent: the image is what the scenario asks for.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub draft: bool,
     /// Absent: the dataset is not split.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split: Option<SplitRecord>,
@@ -308,41 +335,24 @@ pub struct PlaneRecord {
     pub statistics: Statistics,
 }
 
-/// Of the pixels that have a value. Absent where none has.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Statistics {
-    pub count: usize,
-    pub minimum: Option<f32>,
-    pub median: Option<f32>,
-    pub quantile_995: Option<f32>,
-    pub maximum: Option<f32>,
-}
-
-impl Statistics {
-    pub fn of(values: &[f32]) -> Self {
-        let mut finite: Vec<f32> = values.iter().copied().filter(|value| value.is_finite()).collect();
-        if finite.is_empty() {
-            return Self::default();
-        }
-        let last = finite.len() - 1;
-        let rank = |share: f64| (share * last as f64).round() as usize;
-        let minimum = finite.iter().copied().reduce(f32::min);
-        let maximum = finite.iter().copied().reduce(f32::max);
-        let quantile_995 = *finite.select_nth_unstable_by(rank(0.995), f32::total_cmp).1;
-        let median = *finite.select_nth_unstable_by(rank(0.5), f32::total_cmp).1;
-        Self { count: last + 1, minimum, median: Some(median), quantile_995: Some(quantile_995), maximum }
-    }
-}
-
-/// How a preview shows its plane: `DN = 65535 · value / white`.
+/// How a preview shows its plane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PreviewRecord {
     pub file: FileRecord,
     pub channel: String,
-    /// The value of DN 65535, in `unit`.
+    /// The value of the greatest number, in `unit`.
     pub white: f64,
     pub unit: String,
     pub encoding: String,
+    /// The same plane, linear in 16 bits, where it is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub linear: Option<FileRecord>,
+}
+
+impl PreviewRecord {
+    pub fn files(&self) -> impl Iterator<Item = &FileRecord> {
+        [&self.file].into_iter().chain(&self.linear)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -350,6 +360,10 @@ pub struct FileRecord {
     pub name: String,
     pub sha256: String,
     pub bytes: usize,
+}
+
+pub fn is_false(value: &bool) -> bool {
+    !value
 }
 
 pub fn planes(image: &Image) -> Vec<PlaneRecord> {
@@ -365,17 +379,6 @@ pub fn planes(image: &Image) -> Vec<PlaneRecord> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn statistics_leave_out_pixels_without_a_value() {
-        let mut values: Vec<f32> = (0..=200).map(|value| value as f32).collect();
-        values.extend([f32::NAN, f32::INFINITY]);
-        let statistics = Statistics::of(&values);
-        assert_eq!(statistics.count, 201);
-        assert_eq!((statistics.minimum, statistics.median), (Some(0.0), Some(100.0)));
-        assert_eq!((statistics.quantile_995, statistics.maximum), (Some(199.0), Some(200.0)));
-        assert_eq!(Statistics::of(&[f32::NAN]), Statistics::default());
-    }
 
     /// OpenCV's documentation of `initUndistortRectifyMap`: the centre of an image of n pixels is at (n − 1)/2.
     #[test]

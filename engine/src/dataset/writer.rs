@@ -1,6 +1,8 @@
 //! Writes a sequence, beside the rendering, and finishes one that was interrupted.
 
 mod exposure_writer;
+mod previews;
+mod sequence;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,35 +13,28 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 use serde::Serialize;
+use serde_json::Value as Json;
 
-use super::animation;
-use super::card::Card;
-use super::contact_sheet;
 use super::disk;
 use super::error::DatasetError;
+use super::folder::{Existing, Folder, MANIFEST, Plan};
 use super::format::Format;
-use super::manifest::{Manifest, ManifestEntry, PreviewScale, Run};
-use super::png_file;
-use super::poses;
-use super::preview::{self, White};
-use super::record::{ExposureMetadata, FileRecord, Record, SCHEMA_VERSION};
-use super::{coco, sequences};
+use super::manifest::{Manifest, PreviewScale, Run};
+use super::preview::White;
+use super::record::{ExposureMetadata, PreviewRecord, Record};
+use crate::files;
 use crate::labels::Landmark;
 use crate::render::Image;
-use exposure_writer::{ExposureWriter, PreviewCache, Thumbnails};
+use exposure_writer::ExposureWriter;
+use previews::Previews;
 
 /// Images that wait to be written; each may take some hundred megabytes.
 const QUEUE: usize = 2;
 /// Each holds an image too.
 const MOST_THREADS: usize = 4;
-const MANIFEST: &str = "manifest.json";
-const POSES: &str = "poses.csv";
-const CARD: &str = "dataset_card.md";
-const SHEET: &str = "contact_sheet.png";
-const ANIMATION: &str = "preview.gif";
 const LANDMARKS: &str = "landmarks.json";
 const OVERLAY: &str = "landmarks.png";
-const SEQUENCE_FILES: [&str; 7] = [MANIFEST, POSES, CARD, SHEET, ANIMATION, coco::FILE, coco::CSV_FILE];
+const LINEAR: &str = "linear.png";
 const ANIMATION_PIXELS: usize = 512;
 const SHEET_PIXELS: usize = 256;
 /// More exposures than this are shown by an even choice.
@@ -84,6 +79,8 @@ pub struct Summary {
     pub directory: PathBuf,
     /// Finished exposures, those of earlier runs among them.
     pub exposures: usize,
+    /// Exposures of the sequence.
+    pub planned: usize,
     pub preview: Option<PreviewScale>,
     /// Of this run's exposures.
     pub spent: Spent,
@@ -94,13 +91,44 @@ pub struct Summary {
 pub struct Writer {
     output: ExposureWriter,
     run: Run,
+    /// Exposures of the sequence, those that an earlier, longer run has planned among them.
     planned: usize,
     settings: Settings,
+    /// What the manifest told of the sequence when the run began.
+    earlier: Option<Manifest>,
+    notes: Vec<String>,
     sender: Option<SyncSender<Exposure>>,
     threads: Vec<JoinHandle<Result<Spent, DatasetError>>>,
     /// Set by a thread that ends with an error.
     failed: Arc<AtomicBool>,
     spent: Spent,
+}
+
+/// What there is of an exposure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum State {
+    Missing,
+    /// Finished and whole.
+    Done,
+    /// Finished, and changed since: what is wrong.
+    Damaged(String),
+    /// The same of a preview alone, which the end of the run makes anew.
+    DamagedPreview(String),
+}
+
+/// Looks at what is finished.
+#[derive(Debug)]
+pub struct Reader(ExposureWriter);
+
+impl Reader {
+    /// Whether an exposure is finished, and its files were whole when they were written.
+    pub fn is_done(&self, index: usize) -> bool {
+        self.0.finished(index).is_some_and(|record| record.files.iter().all(|file| self.0.is_whole(file)))
+    }
+}
+
+fn changed_since(name: &str) -> String {
+    format!("{name} has not the SHA-256 that its record states")
 }
 
 /// How long the threads have worked.
@@ -112,16 +140,41 @@ pub struct Spent {
 }
 
 impl Writer {
-    /// Opens `directory` for a run of `planned` exposures. Exposures of other runs that lie there are removed.
-    pub fn open(directory: &Path, run: Run, planned: usize, settings: Settings) -> Result<Self, DatasetError> {
+    /// Opens `directory` for a run whose exposures are made from `exposures` besides [`Run::made_from`], and says in a manifest
+    /// that they will be there. Refuses where an earlier run's exposures or somebody's files would be lost.
+    pub fn open(
+        directory: &Path,
+        run: Run,
+        exposures: Vec<Json>,
+        settings: Settings,
+        existing: Existing,
+    ) -> Result<Self, DatasetError> {
         disk::check_writable(directory)?;
+        files::remove_stale(directory)
+            .map_err(|source| DatasetError::Read { path: directory.to_path_buf(), source })?;
+        // Two runs that begin at once see each other's manifest.
+        let lock = files::lock(directory);
+        let mut folder = Folder::read(directory)?;
+        let key = run.key();
+        let plan = Plan { shared: &run.made_from, key: Some(&key), exposures: &exposures };
+        if let Some(refusal) = folder.refusal(&plan, existing) {
+            return Err(refusal);
+        }
+        folder.make_room(&key, &exposures);
+        let notes =
+            folder.damage().map(|damage| format!("{damage}; it is made anew from the records")).into_iter().collect();
+        let earlier = folder.manifest().filter(|manifest| manifest.run_key == key).cloned();
+        // Exposures keep the name of the sequence that they were made for.
+        let name = earlier.as_ref().map_or(run.name.clone(), |manifest| manifest.run.name.clone());
+        let planned = exposures.len().max(earlier.as_ref().map_or(0, |manifest| manifest.exposures_planned));
+        let previews = Previews::new(settings.white);
         let output = ExposureWriter {
             directory: directory.to_path_buf(),
-            key: run.key(),
+            key,
+            exposures: exposures.into(),
             settings: settings.clone(),
-            previews: PreviewCache::default(),
+            previews,
         };
-        output.remove_stale()?;
         let (sender, receiver) = sync_channel(QUEUE);
         let receiver = Arc::new(Mutex::new(receiver));
         let failed = Arc::new(AtomicBool::new(false));
@@ -130,12 +183,71 @@ impl Writer {
             std::thread::spawn(move || write_all(&output, &receiver, &failed))
         };
         let threads = (0..threads()).map(thread).collect();
-        Ok(Self { output, run, planned, settings, sender: Some(sender), threads, failed, spent: Spent::default() })
+        let run = Run { name, ..run };
+        let (sender, spent) = (Some(sender), Spent::default());
+        let writer = Self { output, run, planned, settings, earlier, notes, sender, threads, failed, spent };
+        let records = writer.records()?;
+        writer.output.previews.know(&records);
+        let (preview, files) =
+            writer.earlier.as_ref().map_or_else(Default::default, |m| (m.preview.clone(), m.files.clone()));
+        writer.manifest(&records, preview, files)?;
+        drop(lock);
+        Ok(writer)
+    }
+
+    /// What the user should know of the folder.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The run as the manifest describes it.
+    pub fn run(&self) -> &Run {
+        &self.run
+    }
+
+    /// The run as an earlier process has described it to its end.
+    pub fn earlier_run(&self) -> Option<&Run> {
+        self.earlier.as_ref().map(|manifest| &manifest.run)
+    }
+
+    /// Tells what is known of the run once its scene is ready; its key and its name stay.
+    pub fn describe(&mut self, run: Run) -> Result<(), DatasetError> {
+        self.run = Run { name: self.run.name.clone(), made_from: self.run.made_from.clone(), ..run };
+        let _lock = files::lock(&self.output.directory);
+        match Folder::read_manifest(&self.output.directory).filter(|manifest| manifest.run_key == self.output.key) {
+            Some(manifest) => {
+                let manifest = Manifest { run: self.run.clone(), ..manifest };
+                self.output.write(MANIFEST, manifest.text().as_bytes()).map(|_| ())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Looks at what is finished beside the writing.
+    pub fn reader(&self) -> Reader {
+        Reader(self.output.clone())
     }
 
     /// Whether an exposure of this very run is finished and whole.
-    pub fn done(&self, index: usize) -> bool {
-        self.output.finished(index).is_some_and(|record| record.files.iter().all(|file| self.output.is_whole(file)))
+    pub fn state(&self, index: usize) -> State {
+        let record = match self.output.record(index) {
+            Ok(Some(record)) => record,
+            Ok(None) => return State::Missing,
+            Err(why) => return State::Damaged(why),
+        };
+        let changed = record.files.iter().find(|file| !self.output.is_whole(file));
+        match changed {
+            Some(file) => State::Damaged(changed_since(&file.name)),
+            None => match record.preview.iter().flat_map(PreviewRecord::files).find(|file| !self.output.is_whole(file))
+            {
+                Some(file) => {
+                    // What is not there is made again from the planes, which are whole.
+                    let _ = std::fs::remove_file(self.output.path(&file.name));
+                    State::DamagedPreview(changed_since(&file.name))
+                }
+                None => State::Done,
+            },
+        }
     }
 
     /// Hands an exposure over; waits while the writing is behind.
@@ -148,111 +260,25 @@ impl Writer {
     /// Waits for the last exposure, then writes what concerns the whole sequence.
     pub fn finish(mut self) -> Result<Summary, DatasetError> {
         self.join()?;
-        let mut records: Vec<(usize, Record)> =
-            (0..self.planned).filter_map(|index| Some((index, self.output.finished(index)?))).collect();
-        let plain: Vec<Record> = records.iter().map(|(_, record)| record.clone()).collect();
-        let scale = preview::scale(&plain, self.settings.white);
-        let mut files = vec![self.output.write(POSES, poses::csv(&plain).as_bytes())?];
-        let facts: Vec<&ExposureMetadata> = plain.iter().map(|record| &record.facts).collect();
-        for (name, text) in sequences::files(&self.settings.formats, &self.run.name, &facts) {
-            files.push(self.output.write(&name, text.as_bytes())?);
-        }
-        files.extend(self.annotations(&records)?);
-        if let Some(scale) = &scale {
-            let thumbnails: Vec<(usize, Thumbnails)> = records
-                .par_iter_mut()
-                .map(|(index, record)| Ok((*index, self.output.preview(*index, record, scale)?)))
-                .collect::<Result<_, DatasetError>>()?;
-            files.extend(self.overviews(&thumbnails, scale)?);
-        }
-        let card = Card {
-            run: &self.run,
-            records: &plain,
-            planned: self.planned,
-            preview: scale.as_ref(),
-            formats: &self.settings.formats,
-            tiff: self.settings.tiff,
-        };
-        files.push(self.output.write(CARD, card.text().as_bytes())?);
-        self.manifest(&records, scale.clone(), files)?;
-        Ok(Summary {
-            directory: self.output.directory.clone(),
-            exposures: records.len(),
-            preview: scale,
-            spent: self.spent,
-        })
-    }
-
-    /// The landmarks of all exposures in the formats asked for.
-    fn annotations(&self, records: &[(usize, Record)]) -> Result<Vec<FileRecord>, DatasetError> {
-        let formats = &self.settings.formats;
-        if ![Format::Coco, Format::CraterChallenge].iter().any(|format| formats.contains(format)) {
-            return Ok(Vec::new());
-        }
-        let mut images = Vec::new();
-        for (index, _) in records {
-            if let Some(file) = self.output.landmarks(*index)? {
-                images.push((*index, self.output.name(*index, "png"), file));
+        let lock = files::lock(&self.output.directory);
+        let mut records = self.records()?;
+        loop {
+            let preview = self.write_sequence(&mut records)?;
+            let exposures = records.len();
+            // What another process has finished meanwhile it will list itself, unless neither waits for the other.
+            let now = if lock.is_some() { Vec::new() } else { self.records()? };
+            if now.len() <= exposures {
+                let directory = self.output.directory.clone();
+                return Ok(Summary { directory, exposures, planned: self.planned, preview, spent: self.spent });
             }
+            records = now;
         }
-        let mut files = Vec::new();
-        if formats.contains(&Format::Coco) {
-            files.push(self.output.write(coco::FILE, &pretty(&coco::annotations(&self.run.title, &images)))?);
-        }
-        if formats.contains(&Format::CraterChallenge) {
-            files.push(self.output.write(coco::CSV_FILE, coco::challenge_csv(&images).as_bytes())?);
-        }
-        Ok(files)
     }
 
-    fn overviews(
-        &self,
-        previews: &[(usize, Thumbnails)],
-        scale: &PreviewScale,
-    ) -> Result<Vec<FileRecord>, DatasetError> {
-        let step = previews.len().div_ceil(SHEET_EXPOSURES).max(1);
-        let shown: Vec<_> = previews.iter().step_by(step).map(|(index, dn)| (*index, dn.sheet.clone())).collect();
-        let sheet = contact_sheet::sheet(&shown);
-        let comment = format!("{}; shown with gamma 2.2", preview::comment(scale));
-        let name = SHEET;
-        let bytes = png_file::encode_8(&self.output.path(name), [sheet.columns, sheet.rows], &sheet.grey, &comment)?;
-        let mut files = vec![self.output.write(name, &bytes)?];
-        if self.settings.animation {
-            let name = ANIMATION;
-            let frames: Vec<_> = previews.iter().map(|(index, dn)| (*index, dn.frame.clone())).collect();
-            files.push(self.output.write(name, &animation::encode(&self.output.path(name), &frames)?)?);
-        }
-        Ok(files)
-    }
-
-    fn manifest(
-        &self,
-        records: &[(usize, Record)],
-        preview: Option<PreviewScale>,
-        files: Vec<FileRecord>,
-    ) -> Result<(), DatasetError> {
-        let entry = |(index, record): &(usize, Record)| {
-            let json = FileRecord::of(&self.output.name(*index, "json"), &pretty(record));
-            let preview = record.preview.iter().map(|preview| preview.file.clone());
-            ManifestEntry {
-                index: *index,
-                epoch_utc: record.facts.epoch.utc.clone(),
-                point: record.facts.sweep.as_ref().map(|sweep| sweep.point),
-                split: record.facts.split.as_ref().map(|split| split.part.clone()),
-                warnings: record.facts.quality.warnings.clone(),
-                files: record.files.iter().cloned().chain(preview).chain([json]).collect(),
-            }
-        };
-        let manifest = Manifest {
-            schema_version: SCHEMA_VERSION.into(),
-            run_key: self.output.key.clone(),
-            run: self.run.clone(),
-            exposures_planned: self.planned,
-            preview,
-            exposures: records.iter().map(entry).collect(),
-            files,
-        };
-        self.output.write(MANIFEST, &pretty(&manifest)).map(|_| ())
+    /// All finished exposures of the run, by index.
+    fn records(&self) -> Result<Vec<(usize, Record)>, DatasetError> {
+        let indices = self.output.indices()?;
+        Ok(indices.into_par_iter().filter_map(|index| Some((index, self.output.finished(index)?))).collect())
     }
 
     /// Lets the threads end and asks how it went; a second call has nothing to tell.

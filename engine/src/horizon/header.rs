@@ -11,6 +11,8 @@ use super::settings::Settings;
 use super::statistics::TileErrors;
 use crate::terrain::{Face, Level};
 
+mod check;
+
 pub const FORMAT: &str = "perilune horizon tile";
 
 /// All that a decoder needs, as JSON in the file.

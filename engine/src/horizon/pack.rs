@@ -74,6 +74,23 @@ impl Horizon {
     }
 }
 
+impl Encoding {
+    /// Whether a table of fields, by page, is one of this encoding: none where there is nothing to describe, and no bit of a
+    /// texel in two of them.
+    pub fn describes(self, fields: &[Vec<BitField>]) -> bool {
+        let pages = self.pages();
+        let reals = 2 * (self.harmonics() + 1);
+        let fits = |(page, fields): (&PageLayout, &Vec<BitField>)| {
+            fields.iter().all(|field| field.lies_in(page.words, reals))
+                && bit_fields::are_apart(fields, page.words, self.gain_bits())
+        };
+        match self.family() {
+            Family::Fourier | Family::Sampled => fields.is_empty(),
+            Family::Quantised => fields.len() == pages.len() && pages.iter().zip(fields).all(fits),
+        }
+    }
+}
+
 impl HorizonMap {
     /// The horizon at a grid point, counted in nodes from the first seen one; beyond the edges that of the edge.
     pub fn horizon(&self, grid: DVec2) -> Horizon {
@@ -99,21 +116,6 @@ impl HorizonMap {
             (self.errors, self.bounds) = (TileErrors::default(), Bounds::unknown(self.columns, self.rows));
         }
         Some(Self { encoding, ..self })
-    }
-
-    /// Whether the table of fields fits the encoding: none where there is nothing to describe.
-    pub fn has_fields(&self) -> bool {
-        let pages = self.encoding.pages();
-        let reals = 2 * (self.encoding.harmonics() + 1);
-        let fits =
-            |page: &PageLayout, fields: &Vec<BitField>| fields.iter().all(|field| field.lies_in(page.words, reals));
-        match self.encoding.family() {
-            Family::Fourier | Family::Sampled => self.fields.is_empty(),
-            Family::Quantised => {
-                self.fields.len() == pages.len()
-                    && pages.iter().zip(&self.fields).all(|(page, fields)| fits(page, fields))
-            }
-        }
     }
 
     /// Bytes of all pages.

@@ -116,14 +116,15 @@ const PAGE_NAME: u16 = 285;
 /// GDAL's own tag, which makes radians of a page's numbers.
 pub const GDAL_METADATA: u16 = 42112;
 
-/// Values of the page that a reader stands at, rows up the map; `None` where it holds no numbers of 8 or 16 bits.
+/// Values of the page that a reader stands at, rows of so many columns up the map; `None` where it holds no numbers of 8 or
+/// 16 bits.
 pub fn read_values<R: Read + Seek>(file: &mut Decoder<R>, columns: usize) -> TiffResult<Option<Vec<u16>>> {
     let down: Vec<u16> = match file.read_image()? {
         DecodingResult::U8(values) => values.into_iter().map(u16::from).collect(),
         DecodingResult::U16(values) => values,
         _ => return Ok(None),
     };
-    Ok(Some(down.chunks(columns).rev().flatten().copied().collect()))
+    Ok(Some(down.chunks(columns.max(1)).rev().flatten().copied().collect()))
 }
 
 /// The pages of a map in their order, made one by one: all of them take as much memory as the map.
@@ -138,39 +139,45 @@ pub fn pages(map: &HorizonMap) -> impl Iterator<Item = Page> {
     coefficients(map.encoding, &map.fields).into_iter().map(page).chain(bound())
 }
 
-/// The map of pages; `None` where they are not those of an encoding and of so many nodes.
-pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, errors: TileErrors) -> Option<HorizonMap> {
+/// What the fields of an encoding's pages mean; `None` where the headers are not those of its pages and of so many nodes.
+pub fn fields(pages: &[PageHeader], encoding: Encoding, columns: usize, rows: usize) -> Option<Vec<Vec<BitField>>> {
     let (bound, stored) = pages.split_last()?;
-    let codes: Option<Vec<u8>> = bound.numbers().map(|code| u8::try_from(code).ok()).collect();
-    let codes = codes.filter(|codes| codes.len() == columns * rows && bound.header.name == BOUND)?;
     let layouts = encoding.pages();
-    let levels = layouts.iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
     let fields_of = |layout: &PageLayout| {
-        let of_scale = stored.iter().filter(|page| page.header.scale == layout.scale);
-        of_scale.filter_map(|page| page.header.field).collect::<Vec<BitField>>()
+        let of_scale = stored.iter().filter(|page| page.scale == layout.scale);
+        of_scale.filter_map(|page| page.field).collect::<Vec<BitField>>()
     };
     let fields = match encoding.family() {
         Family::Quantised => layouts.iter().map(fields_of).collect(),
         Family::Fourier | Family::Sampled => Vec::new(),
     };
-    let bounds = Bounds { columns, codes };
-    let mut map = HorizonMap { encoding, columns, rows, levels, fields, errors, bounds };
-    if !map.has_fields() {
+    if !encoding.describes(&fields) {
         return None;
     }
-    let numbers = coefficients(encoding, &map.fields);
-    if numbers.len() != stored.len() {
-        return None;
-    }
-    for (number, page) in numbers.iter().zip(stored) {
-        let level = &mut map.levels[number.level];
+    let is = |page: &PageHeader, name: &str, scale: usize| {
+        let size = [columns.div_ceil(scale), rows.div_ceil(scale)];
+        page.name == name && page.scale == scale && [page.columns, page.rows] == size
+    };
+    let numbers = coefficients(encoding, &fields);
+    let fits = |(number, page): (&Coefficient, &PageHeader)| is(page, &number.name.to_string(), number.scale);
+    let are_all = numbers.len() == stored.len() && numbers.iter().zip(stored).all(fits);
+    (are_all && is(bound, BOUND, 1)).then_some(fields)
+}
+
+/// The map of pages; `None` where they are not those of an encoding and of so many nodes.
+pub fn map(pages: &[Page], encoding: Encoding, columns: usize, rows: usize, errors: TileErrors) -> Option<HorizonMap> {
+    let headers: Vec<PageHeader> = pages.iter().map(|page| page.header.clone()).collect();
+    let fields = fields(&headers, encoding, columns, rows)?;
+    let is_full = |page: &Page| page.header.columns.checked_mul(page.header.rows) == Some(page.values.len());
+    let (bound, stored) = pages.split_last().filter(|_| pages.iter().all(is_full))?;
+    let codes = bound.numbers().map(|code| u8::try_from(code).ok()).collect::<Option<Vec<u8>>>()?;
+    let mut levels: Vec<Texels> = encoding.pages().iter().map(|layout| Texels::empty(columns, rows, *layout)).collect();
+    for (number, page) in coefficients(encoding, &fields).iter().zip(stored) {
+        let level = &mut levels[number.level];
         let texels = level.words.chunks_mut(level.words_per_texel);
-        if page.header.name != number.name.to_string() || page.values.len() != texels.len() {
-            return None;
-        }
         texels.zip(page.numbers()).for_each(|(texel, whole)| number.put(texel, whole));
     }
-    Some(map)
+    Some(HorizonMap { encoding, columns, rows, levels, fields, errors, bounds: Bounds { columns, codes } })
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use super::header::{FORMAT, Header};
 use super::key::{FORMAT_VERSION, Key};
 use super::pack::HorizonMap;
 use super::pages::{self, GDAL_METADATA, Page};
-use crate::files::NewFile;
+use crate::files::{self, NewFile};
 
 /// Where the tile of a key lies in a directory.
 pub fn path_for(directory: &Path, key: &Key) -> PathBuf {
@@ -72,13 +72,28 @@ fn encode(file: &mut BufWriter<NewFile>, header: &Header, map: &HorizonMap) -> t
     Ok(())
 }
 
+/// Bytes that a byte of deflate can stand for, at most (RFC 1951: a pair of codes of two bits for 258 bytes).
+const DEFLATE_RATIO: usize = 1032;
+/// Bytes of a page that a reader holds beside its values.
+const WORKING_BYTES: usize = 1 << 20;
+
 /// Reads a tile with its header.
+///
+/// What a file claims is held against its length before memory is taken for it: a page takes less than 2100 times the file's
+/// bytes, and no map is made before all of its pages are read.
 pub fn read(path: &Path) -> Result<(Header, HorizonMap), Error> {
     let file = File::open(path).map_err(|source| Error::read(path, source))?;
+    let length = file.metadata().map_err(|source| Error::read(path, source))?.len();
+    let texels_at_most = usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(DEFLATE_RATIO);
     let decode = |source| Error::Decode { path: path.into(), source };
-    let mut decoder = Decoder::new(BufReader::new(file)).map_err(decode)?.with_limits(Limits::unlimited());
+    let mut decoder = Decoder::new(BufReader::new(file)).map_err(decode)?;
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).map_err(decode)?;
     let header = parse(path, &description)?;
+    header.check(texels_at_most).map_err(|reason| Error::header(path, reason))?;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = (2 * header.columns * header.rows).max(limits.ifd_value_size);
+    limits.intermediate_buffer_size = limits.decoding_buffer_size.saturating_add(WORKING_BYTES);
+    decoder = decoder.with_limits(limits);
     let mut pages = Vec::new();
     for (index, page) in header.pages.iter().enumerate() {
         if index > 0 {
@@ -102,7 +117,7 @@ fn parse(path: &Path, description: &str) -> Result<Header, Error> {
     if json["format"] != FORMAT {
         return Err(Error::header(path, "no format name"));
     }
-    let got = json["format_version"].as_u64().unwrap_or(0) as u32;
+    let got = json["format_version"].as_u64().and_then(|version| u32::try_from(version).ok()).unwrap_or(0);
     if got != FORMAT_VERSION {
         return Err(Error::Version { path: path.into(), got, expected: FORMAT_VERSION });
     }
@@ -120,5 +135,6 @@ pub fn read_of(directory: &Path, key: &Key) -> Result<HorizonMap, Error> {
     if header.key != *key {
         return Err(Error::OtherKey { path, got: header.key.as_str().into(), expected: key.as_str().into() });
     }
+    files::cache::touch(&path);
     Ok(map)
 }

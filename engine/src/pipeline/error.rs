@@ -69,8 +69,8 @@ pub enum Error {
          or nodes"
     )]
     TooLittleMemory { needed_gb: f64, available_gb: f64 },
-    #[error("{from}..{until} names no exposure; the scenario has {count}, counted from 0")]
-    NoSuchExposures { from: usize, until: usize, count: usize },
+    #[error("{frames} names no exposure; the scenario has {count}, counted from 0")]
+    NoSuchExposures { frames: String, count: usize },
 }
 
 impl From<crate::shadow::PrepareError> for Error {

@@ -79,7 +79,7 @@ pub fn surface(
         models.push(ModelFacts::of(body, name.clone(), dem)?);
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
-    progress.begin("lifting terrain", dems.len(), "DEMs");
+    progress.begin("putting terrain onto its map", dems.len(), "elevation models");
     let (faces, errors) = faces(body, centre, &terrain.dems, &dems)?;
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
@@ -222,6 +222,7 @@ fn make_synthetic(
     let wanted = dems.iter().zip(paths).rev();
     let wanted: Vec<_> = wanted.filter_map(|(dem, path)| Some((synthetic_parameters(dem)?, path))).collect();
     if wanted.iter().all(|(_, path)| path.is_file()) {
+        wanted.iter().for_each(|(_, path)| used(path));
         return Ok(());
     }
     let mut coarse = None;
@@ -251,6 +252,7 @@ fn make_detail(
         return Ok(());
     };
     if paths[0].is_file() {
+        used(&paths[0]);
         return Ok(());
     }
     let measured = open(measured, &paths[1], body, Some(centre), progress)?;
@@ -265,6 +267,11 @@ fn make_detail(
     };
     let continued = synthetic::continue_below(body, &detail, &measured)?;
     keep(&continued.craters, &paths[0], &|path| continued.write(path))
+}
+
+/// Says that made terrain and its craters are in use.
+fn used(path: &Path) {
+    [path, &path.with_extension("craters.csv")].into_iter().for_each(files::cache::touch);
 }
 
 /// Writes made terrain and its craters.

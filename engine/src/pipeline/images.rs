@@ -27,6 +27,8 @@ const QUEUE: usize = 1;
 /// Where the time of the images went, each stage on its own thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spent {
+    /// Rendered exposures.
+    pub exposures: usize,
     pub samples: Duration,
     /// Planes, maps and records.
     pub planes: Duration,
@@ -48,17 +50,19 @@ pub struct Instrument<'a> {
     pub session: Session,
 }
 
-/// Renders the exposures `todo` and hands them to `writer`.
+/// Renders the exposures `todo` and hands them to `writer`; where `resume`, not those that another process has finished meanwhile.
 pub fn render(
     prepared: &Prepared,
     Instrument { imaging, mut session }: Instrument,
-    run: &dataset::Run,
     writer: &mut Writer,
     todo: &[usize],
     watch: &Watch,
+    resume: bool,
     progress: &dyn Progress,
 ) -> Result<Spent, Error> {
     let scene = session.scene().clone();
+    let run = &writer.run().clone();
+    let kept = writer.reader();
     std::thread::scope(|scope| {
         let (sender, receiver) = sync_channel::<Sampled>(QUEUE);
         let finisher = scope.spawn(|| {
@@ -87,7 +91,13 @@ pub fn render(
             Ok::<_, Error>(Sampled { index, captured, before: earlier })
         };
         let mut rendered = Ok(());
+        let mut exposures = 0;
         for (count, &index) in todo.iter().enumerate() {
+            if resume && kept.is_done(index) {
+                progress.at(count + 1, todo.len());
+                continue;
+            }
+            exposures += 1;
             let sent = match sampled(index) {
                 Ok(sampled) => sender.send(sampled),
                 Err(error) => {
@@ -103,7 +113,7 @@ pub fn render(
         }
         drop(sender);
         spent.planes = finisher.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        rendered.map(|()| spent)
+        rendered.map(|()| Spent { exposures, ..spent })
     })
 }
 

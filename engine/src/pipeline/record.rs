@@ -2,7 +2,7 @@
 
 use super::capture::CapturedExposure;
 use super::names::file_name;
-use super::{Error, Prepared, scene, sequence, split};
+use super::{Error, Prepared, motion, scene, sequence, split};
 use crate::dataset::{
     self, BodyRecord, EpochRecord, ExposureMetadata, Input, InputRecords, PoseRecord, QualityRecord, RadiometryRecord,
     Run, SoftwareRecord, SunRecord, SweepRecord, White,
@@ -14,7 +14,7 @@ use crate::render::{Image, Quantity, Scene, ViewRays};
 use crate::scenario::{Albedo, Point, Preview, Scenario};
 
 /// What the whole sequence is made from.
-pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &str) -> Result<Run, Error> {
+pub fn run(scenario: &Scenario, prepared: &Prepared, adapter: &str) -> Result<Run, Error> {
     let kernels = prepared.almanac.kernels().iter().map(|kernel| Input {
         role: "kernel".into(),
         name: kernel.name.clone(),
@@ -28,11 +28,39 @@ pub fn run(scenario: &Scenario, prepared: &Prepared, scene: &Scene, adapter: &st
         seed: scenario.seed,
         software: software(adapter),
         inputs: prepared.ground.inputs.iter().cloned().chain(kernels).collect(),
-        settings: settings(scenario, prepared, scene)?,
+        settings: settings(scenario, prepared)?,
+        made_from: made_from(scenario, prepared, adapter),
+        draft: scenario.draft,
     })
 }
 
-fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<serde_json::Value, Error> {
+/// What of a run's making is known before the work.
+pub fn known_before(scenario: &Scenario) -> serde_json::Value {
+    serde_json::json!({ "model": dataset::model(), "draft": scenario.draft, "scenario": scenario.shape() })
+}
+
+/// All that shapes the pixels and that the exposures share. Horizon tiles follow from the rest.
+fn made_from(scenario: &Scenario, prepared: &Prepared, adapter: &str) -> serde_json::Value {
+    let mut all = known_before(scenario);
+    let mut files = serde_json::Map::new();
+    let inputs = prepared.ground.inputs.iter().filter(|input| input.role != "horizon");
+    let kernels = prepared.almanac.kernels().iter().map(|kernel| ("kernel", &kernel.sha256));
+    for (role, sha256) in inputs.map(|input| (input.role.as_str(), &input.sha256)).chain(kernels) {
+        let count = files.keys().filter(|key| key.starts_with(&format!("{role}["))).count();
+        files.insert(format!("{role}[{count}]"), sha256.as_str().into());
+    }
+    all["files"] = serde_json::Value::Object(files);
+    all["adapter"] = adapter.into();
+    all["frame"] = prepared.frame.frame_name.as_str().into();
+    all["shadow_method"] = prepared.shadows.method.spelling().into();
+    all["horizon_band"] = motion::band(scenario, &prepared.exposures).map(|band| format!("{band:?}")).into();
+    if let Some(globe) = &prepared.ground.globe {
+        all["globe"] = globe.record();
+    }
+    all
+}
+
+fn settings(scenario: &Scenario, prepared: &Prepared) -> Result<serde_json::Value, Error> {
     let mut settings = serde_json::json!({
         "frame": prepared.frame.frame_name,
         "shadows": prepared.shadows.method.spelling(),
@@ -58,7 +86,7 @@ fn settings(scenario: &Scenario, prepared: &Prepared, scene: &Scene) -> Result<s
     if let Some(preset) = scenario.camera.preset {
         settings["camera_preset"] = serde_json::json!({ "name": preset, "figures": preset.text() });
     }
-    if let Some(invented) = labels::synthetic_detail(&scene.surface, sequence::synthetic_levels(scenario)) {
+    if let Some(invented) = labels::synthetic_detail(&prepared.ground.surface, sequence::synthetic_levels(scenario)) {
         settings["invented"] = serde_json::json!(invented);
     }
     if let Some(sweep) = &scenario.sweep {
@@ -170,6 +198,7 @@ pub fn facts(
                 .map(|(varied, value)| (varied.key().into(), *value))
                 .collect(),
         }),
+        draft: scenario.draft,
         split: scenario.split.as_ref().map(|split| split::part(split, scene, &exposure.view)),
         epoch: EpochRecord { tdb_s_past_j2000: exposure.epoch.to_et_seconds(), utc: utc_text(exposure.epoch) },
         body: run.body.clone(),

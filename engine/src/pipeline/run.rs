@@ -1,7 +1,6 @@
 //! The whole story: a scenario's terrain, horizons and views, its images, and the files of the dataset.
 #![warn(missing_docs)]
 
-use std::ops::Range;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -9,8 +8,9 @@ use serde::Serialize;
 
 use super::device::{self, AdapterChoice};
 use super::watch::Watch;
-use super::{Error, Prepared, Progress, build_scene, facts, images, prepare, record, scene};
-use crate::dataset::{self, Writer};
+use super::{Error, Frames, Prepared, Progress, auto, build_scene, facts, images, output, prepare, record, scene};
+use crate::dataset::{self, Existing, Run, Writer};
+use crate::render::Renderer;
 use crate::scenario::Scenario;
 
 /// How to run a scenario.
@@ -21,9 +21,9 @@ pub struct Options {
     /// Where synthetic terrain and horizon tiles are kept for the next run.
     pub cache: PathBuf,
     /// Which exposures; `None`: all.
-    pub exposures: Option<Range<usize>>,
-    /// Keep what an earlier run of the same scenario finished.
-    pub resume: bool,
+    pub exposures: Option<Frames>,
+    /// What may become of exposures that an earlier run finished.
+    pub existing: Existing,
     /// Who renders.
     pub adapter: AdapterChoice,
 }
@@ -35,8 +35,10 @@ pub struct Report {
     pub output: PathBuf,
     /// Who rendered, on one line.
     pub adapter: String,
-    /// Exposures of the sequence.
+    /// Finished exposures.
     pub exposures: usize,
+    /// Exposures of the sequence.
+    pub planned: usize,
     /// Rendered in this run; the others were there.
     pub rendered: usize,
     /// A line for each kind of what is odd about the images that were rendered.
@@ -77,55 +79,110 @@ pub struct Seconds {
 
 /// Runs a scenario from its kernels to its images.
 pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> Result<Report, Error> {
-    let chosen = chosen(scenario, options)?;
+    let chosen = options.exposures.clone().unwrap_or_default().indices(scenario.images())?;
     // The output's folder is tried before hours are spent on what shall go there.
-    dataset::check_writable(&options.output)?;
+    let shapes = scenario.shapes();
+    let scenario = &output::checked(scenario, &shapes, &options.output, options.existing)?;
     let gpu = device::open(options.adapter, scenario, progress)?;
 
     let start = Instant::now();
     let mut prepared = prepare(scenario, &options.cache, progress)?;
+    if scenario.draft {
+        // Nobody goes on with a draft: it has what its own exposures need.
+        let exposures: Vec<_> = chosen.iter().map(|index| prepared.exposures[*index].clone()).collect();
+        prepared.shadows = auto::choose(scenario, &prepared.ground.surface, &exposures);
+    }
     let Prepared { ground, shadows, exposures, .. } = &prepared;
     let (terrain, method) = (&ground.surface.terrain, shadows.method.as_ref());
     let renderer = device::renderer(gpu.as_ref(), options.adapter, scenario, terrain, method, exposures, progress)?;
     facts::check_memory(scenario, terrain, method)?;
-    let terrain = lap(start);
+    let seconds = Seconds { terrain: lap(start), ..Default::default() };
 
-    let start = Instant::now();
-    let scene = build_scene(scenario, &mut prepared, &options.cache, progress)?;
-    let horizons = lap(start);
+    let run = record::run(scenario, &prepared, &renderer.adapter())?;
+    let writer = Writer::open(&options.output, run, shapes, settings(scenario), options.existing)?;
+    writer.notes().iter().for_each(|note| progress.say(note));
+    let todo = output::todo(&writer, &chosen, options.existing, progress);
+    let images = Images { scenario, options, renderer, todo };
+    images.finished(prepared, writer, seconds, progress)
+}
 
-    let imaging = scene::imaging(scenario)?;
-    let session = renderer.session(&scene)?;
-    let adapter = session.adapter().to_owned();
-    let run = record::run(scenario, &prepared, &scene, &adapter)?;
-    let mut writer = Writer::open(&options.output, run.clone(), prepared.exposures.len(), settings(scenario))?;
-    let todo: Vec<usize> = chosen.filter(|&index| !(options.resume && writer.done(index))).collect();
+/// What is left to do once all is prepared.
+struct Images<'a> {
+    scenario: &'a Scenario,
+    options: &'a Options,
+    renderer: Renderer,
+    todo: Vec<usize>,
+}
 
-    let start = Instant::now();
-    progress.begin("rendering", todo.len(), "exposures");
-    let instrument = images::Instrument { imaging: &imaging, session };
-    let watch = Watch::new(scenario, &prepared)?;
-    let spent = images::render(&prepared, instrument, &run, &mut writer, &todo, &watch, progress)?;
-    let rendering = lap(start);
+impl Images<'_> {
+    fn finished(
+        self,
+        prepared: Prepared,
+        mut writer: Writer,
+        mut seconds: Seconds,
+        progress: &dyn Progress,
+    ) -> Result<Report, Error> {
+        let earlier = writer.earlier_run().filter(|_| self.todo.is_empty());
+        let mut warnings = Vec::new();
+        let spent = match earlier.map(|run| (run.inputs.clone(), run.settings.clone())) {
+            // Horizons that nothing is rendered with are not made.
+            Some((inputs, settings)) => {
+                let run = Run { inputs, settings, ..writer.run().clone() };
+                writer.describe(run)?;
+                images::Spent::default()
+            }
+            None => {
+                let (spent, odd) = self.render(prepared, &mut writer, &mut seconds, progress)?;
+                warnings = odd;
+                spent
+            }
+        };
+        let start = Instant::now();
+        progress.begin("writing previews and lists", 1, "sequence");
+        let summary = writer.finish()?;
+        seconds.writing_after = lap(start);
+        Ok(Report {
+            output: summary.directory,
+            adapter: self.renderer.adapter(),
+            exposures: summary.exposures,
+            planned: summary.planned,
+            rendered: spent.exposures,
+            warnings,
+            seconds,
+            device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
+            stages: Stages {
+                samples: spent.samples.as_secs_f64(),
+                planes: spent.planes.as_secs_f64(),
+                encoding: summary.spent.encoding.as_secs_f64(),
+                writing: summary.spent.writing.as_secs_f64(),
+            },
+        })
+    }
 
-    let start = Instant::now();
-    progress.begin("writing previews", 1, "sequence");
-    let summary = writer.finish()?;
-    Ok(Report {
-        output: summary.directory,
-        adapter,
-        exposures: summary.exposures,
-        rendered: todo.len(),
-        warnings: watch.summed(todo.len()),
-        seconds: Seconds { terrain, horizons, rendering, writing_after: lap(start) },
-        device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
-        stages: Stages {
-            samples: spent.samples.as_secs_f64(),
-            planes: spent.planes.as_secs_f64(),
-            encoding: summary.spent.encoding.as_secs_f64(),
-            writing: summary.spent.writing.as_secs_f64(),
-        },
-    })
+    fn render(
+        &self,
+        mut prepared: Prepared,
+        writer: &mut Writer,
+        seconds: &mut Seconds,
+        progress: &dyn Progress,
+    ) -> Result<(images::Spent, Vec<String>), Error> {
+        let (scenario, todo) = (self.scenario, &self.todo);
+        let start = Instant::now();
+        let scene = build_scene(scenario, &mut prepared, &self.options.cache, progress)?;
+        seconds.horizons = lap(start);
+        let imaging = scene::imaging(scenario)?;
+        let session = self.renderer.session(&scene)?;
+        writer.describe(record::run(scenario, &prepared, &self.renderer.adapter())?)?;
+        let start = Instant::now();
+        progress.begin("rendering", todo.len(), "exposures");
+        let instrument = images::Instrument { imaging: &imaging, session };
+        let watch = Watch::new(scenario, &prepared)?;
+        let resume = self.options.existing.resume;
+        let spent = images::render(&prepared, instrument, writer, todo, &watch, resume, progress)?;
+        seconds.rendering = lap(start);
+        let warnings = watch.summed(spent.exposures);
+        Ok((spent, warnings))
+    }
 }
 
 /// What is written beside the images.
@@ -141,13 +198,4 @@ fn settings(scenario: &Scenario) -> dataset::Settings {
 
 fn lap(start: Instant) -> f64 {
     start.elapsed().as_secs_f64()
-}
-
-fn chosen(scenario: &Scenario, options: &Options) -> Result<Range<usize>, Error> {
-    let count = scenario.images();
-    let range = options.exposures.clone().unwrap_or(0..count);
-    if range.is_empty() || range.end > count {
-        return Err(Error::NoSuchExposures { from: range.start, until: range.end, count });
-    }
-    Ok(range)
 }

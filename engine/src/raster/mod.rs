@@ -12,6 +12,7 @@ mod north_up;
 mod picture;
 mod reader;
 mod sample;
+mod summary;
 mod window;
 mod write;
 
@@ -23,5 +24,6 @@ pub use georeference::{Georeference, Projector};
 pub use north_up::cells_around;
 pub use picture::{Picture, notes};
 pub use reader::Values;
+pub use summary::{Summary, summary};
 pub use window::{Around, Window};
 pub use write::{GeoTiff, GeoTiffBand};

@@ -14,6 +14,7 @@
 
 mod camera;
 mod check;
+mod draft;
 mod error;
 mod files;
 mod hints;
@@ -23,6 +24,7 @@ mod motion;
 mod presets;
 mod resolve;
 mod resolved;
+mod shape;
 mod shipped;
 mod structure;
 mod sweep;
@@ -43,4 +45,5 @@ pub use resolved::*;
 pub use shipped::{SHIPPED, ShippedScenario};
 pub use spec::Spec;
 pub use structure::schema;
+pub use text::parse_shadows;
 pub use varied::{Point, Sweep, Varied};

@@ -8,6 +8,7 @@ use super::files::SearchPath;
 use super::resolved::Scenario;
 use super::spec::Spec;
 use super::{camera, light, motion, presets, structure, sweep, text, tree, world};
+use crate::dataset::Format;
 
 /// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
 pub fn resolve(path: &Path, text: &str, places: &SearchPath, about: FileHint) -> Result<Scenario, ScenarioError> {
@@ -47,13 +48,14 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         path: path.to_path_buf(),
         name: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
         text: text.into(),
+        spec: spec.clone(),
         title: spec.title.trim().into(),
         body: world::body(&spec.body),
         frame: world::frame(spec, check),
         kernels: spec.kernels.as_ref().map(|kernels| world::kernels(kernels, check)),
         terrain,
         shadows: world::shadows(&spec.shadows, horizon.encoding, check),
-        notes: spec.shadows.note().into_iter().collect(),
+        notes: spec.shadows.note().into_iter().chain(without_exr(spec)).collect(),
         horizon,
         refine: spec.refine,
         view_rays: spec.view_rays,
@@ -75,8 +77,15 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         split: spec.split.inspect(|split| sweep::check_split(split, check)),
         hazards: camera::hazards(&spec.hazards),
         seed: spec.seed,
+        draft: false,
     };
     scenario.notes.append(&mut check.notes);
     scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));
     scenario
+}
+
+/// What may surprise.
+fn without_exr(spec: &Spec) -> Option<String> {
+    let note = "outputs.formats names another format of all planes and not Exr: no OpenEXR is written";
+    (!Format::writes_exr(&spec.outputs.formats)).then(|| note.into())
 }

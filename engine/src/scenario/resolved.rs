@@ -29,6 +29,8 @@ pub struct Scenario {
     pub name: String,
     /// The file as written.
     pub text: String,
+    /// What it says, presets filled in.
+    pub spec: spec::Spec,
     pub title: String,
     pub body: Body,
     /// Body-fixed frame by its SPICE name; `None`: the best that the kernels have.
@@ -70,6 +72,8 @@ pub struct Scenario {
     pub landmarks: Option<Landmarks>,
     pub hazards: crate::labels::Limits,
     pub seed: u64,
+    /// Whether it is made for a first look only ([`Scenario::draft`]).
+    pub draft: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! RON as scenarios are written in.
 
 use super::error::{Fault, Problem};
-use super::spec::Spec;
+use super::spec::{Shadows, Spec};
 use super::tree::TextPosition;
 
 /// Reads a scenario.
@@ -18,6 +18,11 @@ pub fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, ron::error:
     use ron::extensions::Extensions;
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
     ron::Options::default().with_default_extension(extensions).from_str(text)
+}
+
+/// Shadows as scenarios write them, as in `TowardsSun(by: Swath())`.
+pub fn parse_shadows(text: &str) -> Option<Shadows> {
+    read(text).ok()
 }
 
 fn first_letter_lower(text: &str) -> String {

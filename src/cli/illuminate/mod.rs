@@ -22,7 +22,7 @@ use perilune_engine::terrain::{Face, Gnomonic, Level};
 use serde_json::json;
 
 use super::bars::Bars;
-use super::common::Kernels;
+use super::common::{CacheArgs, Kernels};
 use super::horizon::levels;
 use super::sun::parse_step;
 use super::{Outcome, place, print_line, ranges};
@@ -64,7 +64,7 @@ pub struct Args {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     at: Vec<Geodetic>,
     /// Choose so many best nodes of the map, and trace their skylines
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0..=10_000, ""), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0_usize..=10_000, ""), allow_hyphen_values = true)]
     best: usize,
     /// What makes a node good
     #[arg(long, value_enum, default_value_t, requires = "best")]
@@ -76,7 +76,7 @@ pub struct Args {
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = ranges::height, allow_hyphen_values = true)]
     observer_height: f64,
     /// Azimuths at which skylines are swept
-    #[arg(long, value_name = "N", default_value_t = 360, value_parser = ranges::number(36..=3600, ""), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = ranges::number(36_usize..=3600, ""), allow_hyphen_values = true)]
     azimuths: usize,
     /// Take skylines from a compressed tile, which is kept for the next time, instead of sweeping them anew: less memory,
     /// larger errors
@@ -91,9 +91,8 @@ pub struct Args {
     /// Centre of the map, in degrees [default: the middle of the first DEM]
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     centre: Option<Geodetic>,
-    /// Directory in which horizon tiles are kept for the next time
-    #[arg(long, value_name = "DIR", default_value = "output/cache")]
-    cache: PathBuf,
+    #[command(flatten)]
+    cache: CacheArgs,
     #[command(flatten)]
     kernels: Kernels,
     /// Print JSON
@@ -225,13 +224,19 @@ fn nodes(named: &NamedArea, ground: &Ground) -> Result<Vec<bool>, String> {
 }
 
 /// The tile to decode, where one is asked for.
-fn tile(args: &Args, ground: &Ground, settings: Settings, bars: &Bars) -> Result<Option<HorizonMap>, horizon::Error> {
+fn tile(
+    args: &Args,
+    ground: &Ground,
+    settings: Settings,
+    bars: &Bars,
+) -> Result<Option<HorizonMap>, Box<dyn std::error::Error>> {
     let Some(encoding) = args.encoding else { return Ok(None) };
+    let cache = args.cache.open()?;
     let (face, body) = (&ground.surface.terrain.faces[0], &ground.surface.terrain.body);
     let request = Request { body, face, level: 0, settings, encoding };
     bars.begin("horizons", settings.azimuths, "azimuths");
     let on_progress = |done: usize, total: usize| bars.at(done, total);
-    horizon::open_or_build(&request, &args.cache.join("horizon"), horizon::Memory::default(), &on_progress).map(Some)
+    Ok(Some(horizon::open_or_build(&request, &cache.join("horizon"), horizon::Memory::default(), &on_progress)?))
 }
 
 /// Skylines swept for the blocks that are needed.

@@ -84,7 +84,8 @@ impl BitField {
 
     pub(super) fn lies_in(&self, words: usize, reals: usize) -> bool {
         let bits = (1..=32).contains(&self.width) && self.shift <= 32 - self.width;
-        bits && self.word < words && self.real < reals
+        let numbers = [self.step_rad, self.offset_rad, self.bias];
+        bits && self.word < words && self.real < reals && numbers.iter().all(|number| number.is_finite())
     }
 
     fn left(&self) -> u32 {
@@ -94,6 +95,18 @@ impl BitField {
     fn right(&self) -> u32 {
         32 - self.width
     }
+}
+
+/// Whether no bit of a texel belongs to two fields, or to a field and the gain. All lie in the texel.
+pub(super) fn are_apart(fields: &[BitField], words: usize, gain_bits: u32) -> bool {
+    let mut taken = vec![0_u32; words];
+    taken[0] = (1 << gain_bits) - 1;
+    fields.iter().all(|field| {
+        let bits = u32::MAX >> field.right() << field.shift;
+        let is_free = taken[field.word] & bits == 0;
+        taken[field.word] |= bits;
+        is_free
+    })
 }
 
 /// The series at a grid point.

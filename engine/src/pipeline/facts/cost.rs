@@ -131,6 +131,7 @@ fn channels(scenario: &Scenario) -> usize {
 
 /// Files of an image that hold all planes.
 fn copies(scenario: &Scenario) -> usize {
-    let whole = scenario.outputs.formats.iter().filter(|format| matches!(format, Format::Npz | Format::Fits)).count();
-    1 + usize::from(scenario.outputs.tiff) + whole
+    let formats = &scenario.outputs.formats;
+    let others = formats.iter().filter(|format| matches!(format, Format::Npz | Format::Fits)).count();
+    usize::from(Format::writes_exr(formats)) + usize::from(scenario.outputs.tiff) + others
 }

@@ -54,9 +54,10 @@ pub struct Outputs {
     /// Planes of each image.
     #[schemars(length(min = 1, max = 64))]
     pub planes: Vec<Quantity>,
-    /// Writes the planes as float TIFF too, one page each; OpenEXR is always written.
+    /// Writes the planes as float TIFF too, one page each.
     pub tiff: bool,
-    /// Files for the readers of other fields, besides OpenEXR, PNG and JSON, which are always written.
+    /// Files besides PNG and JSON, which are always written. OpenEXR is left out where another format of all planes (Fits, Npz)
+    /// is named and Exr is not.
     #[schemars(length(max = 16))]
     pub formats: Vec<Format>,
     /// Scale of the preview images.
