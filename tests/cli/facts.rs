@@ -107,6 +107,7 @@ fn what_leaves_little_to_see_is_warned_of_before_and_while_it_is_made() {
     for (written, odd, warned) in WARNED {
         let text = SMALL
             .replace(written, odd)
+            .replace("field_of_view_deg: 40", "focal_length_mm: 5, pixel_pitch_um: 50")
             .replace("count: 4", "count: 1")
             .replace("        (t_s: 30, latitude_deg: -89, longitude_deg: 0, height_m: 900),\n", "");
         let run = Run::of(&text.replace("shadows: HorizonMaps()", "shadows: Off"));

@@ -140,9 +140,9 @@ fn saturation(share: f64, exposure_s: f64, fullest: Option<f64>) -> Warning {
         .filter(|fullest| *fullest > 0.0)
         .map_or(String::new(), |fullest| format!(", to about {:.2} ms,", 1e3 * 0.8 * exposure_s / fullest));
     let text = format!(
-        "{} of the pixels are saturated after {} ms; shorten camera.exposure_s{shorter} or use camera.auto_exposure",
+        "{} of the pixels are saturated after {}; shorten camera.exposure_s{shorter} or use camera.auto_exposure",
         percent(share),
-        1e3 * exposure_s
+        milliseconds(exposure_s)
     );
     Warning { kind: Kind::Saturated, text }
 }
@@ -150,9 +150,9 @@ fn saturation(share: f64, exposure_s: f64, fullest: Option<f64>) -> Warning {
 fn blackness(share: f64, exposure_s: Option<f64>) -> Warning {
     let text = match exposure_s {
         Some(exposure_s) => format!(
-            "{} of the pixels hold less than a digital number after {} ms; lengthen camera.exposure_s, or see where the Sun stands",
+            "{} of the pixels hold less than a digital number after {}; lengthen camera.exposure_s, or see where the Sun stands",
             percent(share),
-            1e3 * exposure_s
+            milliseconds(exposure_s)
         ),
         None => {
             format!("{} of the pixels are black; see where the Sun stands and where the camera looks", percent(share))
@@ -236,6 +236,14 @@ fn ranges(indices: &[usize]) -> String {
     });
     let more = if spans.len() > SHOWN { ", …" } else { "" };
     shown.collect::<Vec<_>>().join(", ") + more
+}
+
+fn milliseconds(seconds: f64) -> String {
+    let number = 1e3 * seconds;
+    match number < 0.01 {
+        true => format!("{number:.1e} ms"),
+        false => format!("{} ms", format!("{number:.3}").trim_end_matches('0').trim_end_matches('.')),
+    }
 }
 
 /// How much of something is there.
