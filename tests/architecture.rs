@@ -9,7 +9,7 @@ mod circles;
 
 /// Modules of one layer do not see each other.
 const LAYERS: [&[&str]; 14] = [
-    &["quantity", "digest", "files", "statistics", "grid", "signals"],
+    &["quantity", "digest", "files", "statistics", "grid", "signals", "text"],
     &["geometry"],
     &["ephemeris", "raster", "gpu", "photometry"],
     &["terrain", "camera"],

@@ -9,6 +9,7 @@ mod docs;
 mod examples;
 mod face;
 mod fixtures;
+mod fuzz;
 mod invariants;
 mod lengths;
 mod readers;

@@ -39,7 +39,7 @@
 //! # Who may depend on whom
 //!
 //! ```text
-//! { quantity, digest, files, statistics, grid } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
+//! { quantity, digest, files, statistics, grid, text } -> geometry -> { ephemeris, raster, gpu, photometry } -> { terrain, camera }
 //!          -> horizon -> shadow -> render -> labels -> dataset -> { report, image_metrics }
 //!          -> { illumination, scenario } -> pipeline -> compare
 //! ```
@@ -62,6 +62,7 @@ pub mod grid;
 pub mod quantity;
 pub mod signals;
 pub mod statistics;
+pub mod text;
 
 pub mod geometry;
 

@@ -52,9 +52,9 @@ pub fn print_line(line: impl std::fmt::Display) -> std::io::Result<()> {
 
 /// An argument `LAT,LON` in degrees.
 pub fn place(text: &str) -> Result<Geodetic, String> {
-    let numbers: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
-    match numbers[..] {
-        [latitude_deg, longitude_deg] if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 => {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[latitude_deg, longitude_deg]) if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 => {
             Ok(Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0))
         }
         _ => Err("want a latitude in [-90, 90] and a longitude in [-360, 360], as in -89.5,120".into()),

@@ -21,4 +21,5 @@ mod scenario;
 mod shadows;
 mod sweep;
 mod terrain;
+mod text_input;
 mod titles;

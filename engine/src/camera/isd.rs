@@ -29,7 +29,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::{Camera, CameraError, Correction, Pose, PosedCamera, Shutter};
 use crate::geometry::{Body, BodyFixed, Position, Rotation};
-use spec::{IsdSpec, Radii};
+use spec::{Distortion, IsdSpec, Radii};
 
 /// What an ISD says, in our terms.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,27 +52,40 @@ pub struct Isd {
 pub enum IsdError {
     #[error("cannot read {path}: {source}")]
     Read { path: PathBuf, source: std::io::Error },
-    #[error("{path} is not an ISD as ALE writes it")]
+    #[error("{path} is not an ISD as ALE writes it: {source}")]
     Json { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: {key} is not a key of an ISD here; allowed are {allowed}")]
+    UnknownKey { path: PathBuf, key: String, allowed: String },
     #[error("{path}: {key} = {got}, allowed is {allowed}")]
     Value { path: PathBuf, key: &'static str, got: String, allowed: &'static str },
     #[error("{path}")]
     Camera { path: PathBuf, source: CameraError },
 }
 
+/// How far a quaternion's length may be from 1 before it is taken for a mistake.
+const LENGTH_TOLERANCE: f64 = 1e-3;
+/// How far a matrix may be from a rotation.
+const MATRIX_TOLERANCE: f64 = 1e-6;
+/// SPICE's id of the frame of all numbers.
+const J2000: i64 = 1;
 /// Cosine of sample and line axes up to which they are perpendicular.
 const SKEW: f64 = 1e-6;
 
 impl Isd {
     pub fn read(path: &Path) -> Result<Self, IsdError> {
-        let bytes = std::fs::read(path).map_err(|source| IsdError::Read { path: path.into(), source })?;
-        let json = serde_json::from_slice(&bytes).map_err(|source| IsdError::Json { path: path.into(), source })?;
-        Self::from_json(path, json)
+        let text = crate::text::read(path).map_err(|source| IsdError::Read { path: path.into(), source })?;
+        Self::parse(path, &text)
     }
 
-    pub fn from_json(path: &Path, json: serde_json::Value) -> Result<Self, IsdError> {
-        let written: IsdSpec =
-            serde_json::from_value(json).map_err(|source| IsdError::Json { path: path.into(), source })?;
+    /// As [`Self::read`], of a file's text.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, IsdError> {
+        let fault = |source| IsdError::Json { path: path.into(), source };
+        let json: serde_json::Value = serde_json::from_str(text).map_err(fault)?;
+        if let Some((key, allowed)) = spec::unknown_key(&json) {
+            return Err(IsdError::UnknownKey { path: path.into(), key, allowed: allowed.join(", ") });
+        }
+        // From the text, so that an error names its line.
+        let written: IsdSpec = serde_json::from_str(text).map_err(fault)?;
         Reader { path, isd: &written }.read()
     }
 }
@@ -85,6 +98,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn read(&self) -> Result<Isd, IsdError> {
         self.check_tables()?;
+        self.check_rotations()?;
         let times = self.times()?;
         let centre = self.isd.center_ephemeris_time;
         // The boresight looks towards the body.
@@ -139,6 +153,42 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Each rotation is one, and each table's numbers are of J2000.
+    fn check_rotations(&self) -> Result<(), IsdError> {
+        let IsdSpec { instrument_position, instrument_pointing, body_rotation, sun_position, .. } = self.isd;
+        for (key, turning) in [("instrument_pointing", instrument_pointing), ("body_rotation", body_rotation)] {
+            let is_unit = |wxyz: &&[f64; 4]| {
+                let length = wxyz.iter().map(|part| part * part).sum::<f64>().sqrt();
+                (length - 1.0).abs() <= LENGTH_TOLERANCE
+            };
+            if let Some(wxyz) = turning.quaternions.iter().find(|wxyz| !is_unit(wxyz)) {
+                return Err(self.value(key, format!("the quaternion {wxyz:?}"), "quaternions of length 1, to 1e-3"));
+            }
+            let constant = turning.constant_rotation.map(|rows| DMat3::from_cols_array(&rows).transpose());
+            let is_rotation = |matrix: DMat3| {
+                (matrix * matrix.transpose()).abs_diff_eq(DMat3::IDENTITY, MATRIX_TOLERANCE)
+                    && matrix.determinant() > 0.0
+            };
+            if let Some(matrix) = constant.filter(|matrix| !is_rotation(*matrix)) {
+                return Err(self.value(key, format!("the constant_rotation {matrix}"), "rotations"));
+            }
+        }
+        for (key, frame) in [
+            ("instrument_position", &instrument_position.reference_frame),
+            ("instrument_pointing", &instrument_pointing.reference_frame),
+            ("body_rotation", &body_rotation.reference_frame),
+            ("sun_position", &sun_position.reference_frame),
+        ] {
+            if let Some(frame) = frame.as_ref().filter(|frame| **frame != J2000) {
+                return Err(self.value(key, format!("numbers in reference_frame {frame}"), "reference_frame 1, J2000"));
+            }
+        }
+        match self.isd.num_lines_overlap.filter(|lines| *lines != 0.0) {
+            Some(lines) => Err(self.value("num_lines_overlap", lines, "0")),
+            None => Ok(()),
+        }
     }
 
     /// Of the exposures, the image's top first.
@@ -256,28 +306,27 @@ impl Reader<'_> {
 
     /// On the plane at distance 1; `None` where nothing is to be corrected.
     fn correction(&self, focal_mm: f64, in_image: &dyn Fn(DVec2) -> DVec2) -> Result<Option<Correction>, IsdError> {
-        let Some((model, value)) = self.isd.optical_distortion.iter().next() else { return Ok(None) };
-        let numbers = |key: &str| -> Vec<f64> {
-            value[key].as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
+        let (model, value) = match &self.isd.optical_distortion[..] {
+            [] => return Ok(None),
+            [(model, value)] => (model, value),
+            [(model, _), (second, _), ..] => {
+                return Err(self.value("optical_distortion", format!("{model} and {second}"), "one model"));
+            }
         };
         let f2 = focal_mm * focal_mm;
-        let correction = match (model.as_str(), &numbers("coefficients")[..], &numbers("x")[..], &numbers("y")[..]) {
-            ("radial", &[k0, k1, k2], ..) => Correction::Radial([-k0, -k1 * f2, -k2 * f2 * f2, 0.0]),
-            ("lrolrocnac", &[k, ..], ..) => Correction::AcrossTrack(k * f2),
-            ("kaguyalism", _, &[a0, a1, a2, a3], &[b0, b1, b2, b3]) => {
-                let boresight = |key: &str| value[key].as_f64().unwrap_or(0.0);
-                let (x0, y0) = (a0 + boresight("boresight_x"), b0 + boresight("boresight_y"));
+        let correction = match Distortion::of(model, value) {
+            Some(Distortion::Radial([k0, k1, k2])) => Correction::Radial([-k0, -k1 * f2, -k2 * f2 * f2, 0.0]),
+            Some(Distortion::LroNac(k)) => Correction::AcrossTrack(k * f2),
+            Some(Distortion::Kaguya { boresight, x: [a0, a1, a2, a3], y: [b0, b1, b2, b3] }) => {
+                let (x0, y0) = (a0 + boresight[0], b0 + boresight[1]);
                 let mm = [(x0, y0), (a1, b1), (a2, b2), (a3, b3)].map(|(x, y)| in_image(DVec2::new(x, y)));
                 // A power of r in mm over one in focal lengths.
                 Correction::Added(std::array::from_fn(|k| mm[k] * focal_mm.powi(k as i32 - 1)))
             }
-            (_, [], [], []) => return Ok(None),
-            (_, coefficients, ..) if !coefficients.is_empty() && coefficients.iter().all(|k| *k == 0.0) => {
-                return Ok(None);
-            }
-            _ => {
-                let allowed = "radial with 3 coefficients, lrolrocnac with 1, kaguyalism with 4 for x and y each";
-                return Err(self.value("optical_distortion", model, allowed));
+            None => {
+                let allowed = "radial with 3 coefficients, lrolrocnac with 1, kaguyalism with 4 for x and y each and a \
+                               boresight_x and boresight_y; and no other key";
+                return Err(self.value("optical_distortion", format!("{model}: {value}"), allowed));
             }
         };
         let nothing = matches!(correction, Correction::Radial(k) if k == [0.0; 4]);

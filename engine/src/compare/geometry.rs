@@ -33,13 +33,13 @@ pub struct Geometry {
 impl Geometry {
     /// Reads the geometry of a photograph of `size` pixels from a frame or an ISD.
     pub fn read(path: &Path, photo: &Path, size: [usize; 2]) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })?;
+        let text = crate::text::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
         let json: serde_json::Value =
             serde_json::from_str(&text).map_err(|source| Error::Geometry { path: path.into(), source })?;
         if json.get("name_model").is_none() {
             return film::geometry(path, json, photo, size);
         }
-        let isd = Isd::from_json(path, json)?;
+        let isd = Isd::parse(path, &text)?;
         let camera = isd.camera;
         if size != [camera.columns(), camera.rows()] {
             let allowed = vec![format!("{} x {}", camera.columns(), camera.rows())];

@@ -1,7 +1,7 @@
 //! Planes as one FITS file: an image extension of 32-bit floats each.
 //!
-//! The primary unit holds no pixels but what holds for all of them: `DATE-OBS` (UTC, start of the exposure), `EXPTIME` in
-//! seconds, `OBJECT`, camera, pose, Sun and kernels. Every extension is named after its channel (`EXTNAME`) and states its
+//! The primary unit holds no pixels but what holds for all of them: `DATE-OBS` and `DATE-AVG` (UTC, start and middle of the
+//! exposure), `EXPTIME` in seconds, `OBJECT`, camera, pose, Sun and kernels. Every extension is named after its channel (`EXTNAME`) and states its
 //! unit (`BUNIT`, absent for pure numbers).
 //!
 //! # Conventions
@@ -12,7 +12,10 @@
 //! # References
 //! FITS Standard 4.0 (IAU FITS Working Group 2018), chapters 3, 4 and 7; long strings: 4.2.1.2.
 
+use hifitime::Unit;
+
 use super::record::ExposureMetadata;
+use crate::ephemeris::{parse_epoch, utc_text};
 use crate::render::{Image, Plane};
 
 const BLOCK_BYTES: usize = 2880;
@@ -41,9 +44,10 @@ fn primary(facts: &ExposureMetadata, run_key: &str) -> Header {
     header.text("FRAMEID", &facts.frame_id, "");
     header.text("RUNKEY", run_key, "SHA-256 of all that shapes the run");
     header.text("OBJECT", &body.name, "");
-    header.text("DATE-OBS", epoch.utc.trim_end_matches('Z'), "start of the exposure");
+    header.text("DATE-OBS", start_utc(&epoch.utc, sensor.exposure_s).trim_end_matches('Z'), "start of the exposure");
+    header.text("DATE-AVG", epoch.utc.trim_end_matches('Z'), "middle of the exposure");
     header.text("TIMESYS", "UTC", "");
-    header.number("TDB-J2K", epoch.tdb_s_past_j2000, "[s] TDB past J2000");
+    header.number("TDB-J2K", epoch.tdb_s_past_j2000, "[s] TDB past J2000, middle of the exposure");
     header.number("EXPTIME", sensor.exposure_s, "[s]");
     header.text("BODYFRAM", &body.frame, "body-fixed frame of all vectors");
     header.text("INSTRUME", &camera.model, "");
@@ -71,6 +75,14 @@ fn primary(facts: &ExposureMetadata, run_key: &str) -> Header {
         header.text(&format!("KERNEL{index}"), kernel, "");
     }
     header
+}
+
+/// When an exposure begins whose middle is told.
+fn start_utc(middle_utc: &str, exposure_s: f64) -> String {
+    match parse_epoch(middle_utc) {
+        Ok(middle) if exposure_s.is_finite() => utc_text(middle - 0.5 * exposure_s * Unit::Second),
+        _ => middle_utc.to_owned(),
+    }
 }
 
 fn extension(image: &Image, plane: &Plane) -> Header {
@@ -186,6 +198,14 @@ mod tests {
                 "NONE    =",
             ]
         );
+    }
+
+    #[test]
+    fn an_exposure_begins_half_its_time_before_its_middle() {
+        assert_eq!(start_utc("2026-08-01T00:00:00Z", 60.0), "2026-07-31T23:59:30Z");
+        // Across the leap second at the end of 2016.
+        assert_eq!(start_utc("2017-01-01T00:00:00Z", 4.0), "2016-12-31T23:59:59Z");
+        assert_eq!(start_utc("2026-08-01T00:00:00Z", 0.0), "2026-08-01T00:00:00Z");
     }
 
     #[test]

@@ -10,14 +10,35 @@
 
 use std::path::{Path, PathBuf};
 
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Epoch, Unit};
 
 use super::attitude::{AttitudeError, AttitudeTable, Quaternion};
-use super::epoch::parse_in_scale;
+use super::metadata::{Metadata, check_overlaps};
 use super::names::{INERTIAL_FRAMES, frame_ids};
 use super::trajectory::SLACK_S;
 use super::{Almanac, BodyFrame, EphemerisError, utc_text};
 use crate::geometry::{BodyFixed, Camera, Rotation};
+
+/// Keywords of metadata.
+const KEYWORDS: [&str; 17] = [
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME_A",
+    "REF_FRAME_B",
+    "ATTITUDE_DIR",
+    "TIME_SYSTEM",
+    "START_TIME",
+    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME",
+    "STOP_TIME",
+    "ATTITUDE_TYPE",
+    "QUATERNION_TYPE",
+    "EULER_ROT_SEQ",
+    "ANGVEL_FRAME",
+    "INTERPOLATION_METHOD",
+    "INTERPOLATION_DEGREE",
+];
 
 /// A message: segments of attitudes.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +53,7 @@ struct Segment {
     frame: String,
     /// Camera from `frame`.
     table: AttitudeTable,
+    useable: [Epoch; 2],
 }
 
 /// What is wrong with a message or with an epoch asked of it.
@@ -51,12 +73,12 @@ pub enum AemError {
 
 impl Aem {
     pub fn read(path: &Path) -> Result<Self, AemError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| AemError::Unreadable { path: path.into(), source })?;
+        let text = crate::text::read(path).map_err(|source| AemError::Unreadable { path: path.into(), source })?;
         Self::parse(path, &text)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, AemError> {
+    /// From a message's text; `path` names it in faults.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, AemError> {
         let fault = |line, problem| AemError::Line { path: path.into(), line, problem };
         let mut parser = Parser::default();
         for (line, content) in (1..).zip(text.lines()) {
@@ -64,7 +86,11 @@ impl Aem {
         }
         let last = text.lines().count();
         match (parser.block, parser.segments.is_empty()) {
-            (Block::Outside, false) => Ok(Self { path: path.into(), segments: parser.segments }),
+            (Block::Outside, false) => {
+                let spans: Vec<_> = parser.segments.iter().map(|segment| segment.useable).collect();
+                check_overlaps(&spans, SLACK_S).map_err(|problem| fault(last, problem))?;
+                Ok(Self { path: path.into(), segments: parser.segments })
+            }
             (Block::Outside, true) => Err(fault(last, "the message has no DATA_START".into())),
             _ => Err(fault(last, "the last segment has no end".into())),
         }
@@ -79,7 +105,7 @@ impl Aem {
     ) -> Result<Rotation<Camera, BodyFixed>, AemError> {
         let slack = SLACK_S * Unit::Second;
         let holds = |segment: &&Segment| {
-            let (from, until) = segment.table.span();
+            let [from, until] = segment.useable;
             (from - slack..=until + slack).contains(&epoch)
         };
         // Where segments meet, the later one begins.
@@ -98,9 +124,9 @@ impl Aem {
     }
 
     fn outside(&self, epoch: Epoch) -> AemError {
-        let spans = || self.segments.iter().map(|segment| segment.table.span());
-        let from = spans().map(|(from, _)| from).min().expect("a message that was read has a segment");
-        let until = spans().map(|(_, until)| until).max().expect("a message that was read has a segment");
+        let spans = || self.segments.iter().map(|segment| segment.useable);
+        let from = spans().map(|[from, _]| from).min().expect("a message that was read has a segment");
+        let until = spans().map(|[_, until]| until).max().expect("a message that was read has a segment");
         let [epoch_utc, from_utc, until_utc] = [epoch, from, until].map(utc_text);
         AemError::OutsideSpan { path: self.path.clone(), epoch_utc, from_utc, until_utc }
     }
@@ -120,7 +146,7 @@ enum Block {
 #[derive(Debug, Default)]
 struct Parser {
     block: Block,
-    meta: Vec<(String, String)>,
+    meta: Metadata,
     rows: Vec<(Epoch, Quaternion)>,
     segments: Vec<Segment>,
 }
@@ -139,25 +165,16 @@ impl Parser {
             (Block::Data, "DATA_STOP") => self.end_segment()?,
             (Block::Data, line) => self.take_attitude(line)?,
             (Block::Between, line) => return Err(format!("want DATA_START, got `{line}`")),
-            (Block::Outside | Block::Meta, line) => {
-                let (key, value) = line.split_once('=').ok_or_else(|| format!("`{line}` is not KEYWORD = value"))?;
-                self.meta.push((key.trim().to_owned(), value.trim().to_uppercase()));
-            }
+            (Block::Outside, line) if line.contains('=') => {}
+            (Block::Outside, line) => return Err(format!("`{line}` is not KEYWORD = value")),
+            (Block::Meta, line) => self.meta.take(line, &KEYWORDS)?,
         }
         Ok(())
     }
 
-    fn optional(&self, key: &str) -> Option<&str> {
-        self.meta.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
-    }
-
-    fn required(&self, key: &str) -> Result<&str, String> {
-        self.optional(key).ok_or_else(|| format!("the segment's metadata lack {key}"))
-    }
-
     /// One of two words; the first where the key is absent.
     fn is_first(&self, key: &str, [first, second]: [&str; 2]) -> Result<bool, String> {
-        match self.optional(key).unwrap_or(first) {
+        match self.meta.optional(key).unwrap_or(first) {
             word if word == first => Ok(true),
             word if word == second => Ok(false),
             word => Err(format!("{key} = {word}; allowed are {first} and {second}")),
@@ -165,22 +182,12 @@ impl Parser {
     }
 
     fn take_attitude(&mut self, line: &str) -> Result<(), String> {
-        let kind = self.required("ATTITUDE_TYPE")?;
+        let kind = self.meta.required("ATTITUDE_TYPE")?;
         if kind != "QUATERNION" {
             return Err(format!("ATTITUDE_TYPE = {kind}; allowed is QUATERNION"));
         }
-        let scale = match self.required("TIME_SYSTEM")? {
-            "UTC" => TimeScale::UTC,
-            "TDB" => TimeScale::TDB,
-            "TT" => TimeScale::TT,
-            "TAI" => TimeScale::TAI,
-            "GPS" => TimeScale::GPST,
-            other => return Err(format!("TIME_SYSTEM = {other}; allowed are UTC, TDB, TT, TAI and GPS")),
-        };
         let mut words = line.split_whitespace();
-        let text = words.next().unwrap_or_default();
-        let (date_time, scale) = text.strip_suffix('Z').map_or((text, scale), |utc| (utc, TimeScale::UTC));
-        let epoch = parse_in_scale(date_time, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))?;
+        let epoch = self.meta.epoch(words.next().unwrap_or_default())?;
         if self.rows.last().is_some_and(|(last, _)| *last >= epoch) {
             return Err("the epoch is not later than that of the attitude before".to_owned());
         }
@@ -193,7 +200,8 @@ impl Parser {
         let [w, x, y, z] =
             if self.is_first("QUATERNION_TYPE", ["LAST", "FIRST"])? { [d, a, b, c] } else { [a, b, c, d] };
         // Turned over where B is the reference and A the camera, or where the turn is told from B to A; twice is not at all.
-        let turned_over = self.is_first("ATTITUDE_DIR", ["A2B", "B2A"])? != is_reference(self.required("REF_FRAME_A")?);
+        let turned_over =
+            self.is_first("ATTITUDE_DIR", ["A2B", "B2A"])? != is_reference(self.meta.required("REF_FRAME_A")?);
         let wxyz = if turned_over { [w, -x, -y, -z] } else { [w, x, y, z] };
         self.rows.push((epoch, Quaternion::from_wxyz(wxyz).map_err(|error| error.to_string())?));
         Ok(())
@@ -205,9 +213,10 @@ impl Parser {
         let after: Vec<(f64, Quaternion)> =
             rows.iter().map(|(epoch, quaternion)| ((*epoch - start).to_unit(Unit::Second), *quaternion)).collect();
         let table = AttitudeTable::new(start, &after).map_err(|error| error.to_string())?;
-        let [a, b] = [self.required("REF_FRAME_A")?, self.required("REF_FRAME_B")?];
+        let [a, b] = [self.meta.required("REF_FRAME_A")?, self.meta.required("REF_FRAME_B")?];
         let frame = (if is_reference(a) { a } else { b }).to_owned();
-        self.segments.push(Segment { frame, table });
+        let useable = self.meta.useable(start, rows.last().map_or(start, |(last, _)| *last))?;
+        self.segments.push(Segment { frame, table, useable });
         self.block = Block::Outside;
         Ok(())
     }
@@ -267,6 +276,12 @@ mod tests {
         assert!(fault(A_IS_BODY, "").contains("line 11: the segment has no attitude"));
         assert!(fault("REF_FRAME_B = IAU_MOON\n", row).contains("lack REF_FRAME_A"));
         assert!(fault(&format!("{A_IS_BODY}ATTITUDE_DIR = C2A\n"), row).contains("allowed are A2B and B2A"));
+        assert!(fault(&format!("{A_IS_BODY}SPIN = 1\n"), row).contains("SPIN is not a keyword of the metadata"));
+        assert!(fault(&format!("{A_IS_BODY}REF_FRAME_A = ICRF\n"), row).contains("REF_FRAME_A is given twice"));
+        let twice = message(A_IS_BODY, &format!("{row}2026-01-01T00:01:00 0 0 0 1\n"));
+        let twice = format!("{twice}{}", &twice[twice.find("META_START").unwrap()..]);
+        let error = Aem::parse(Path::new("a.aem"), &twice).unwrap_err().to_string();
+        assert!(error.contains("segments overlap from 2026-01-01T00:00:00Z to 2026-01-01T00:01:00Z"), "{error}");
         let open = Aem::parse(Path::new("a.aem"), &message(A_IS_BODY, row).replace("DATA_STOP\n", "")).unwrap_err();
         assert!(open.to_string().contains("the last segment has no end"), "{open}");
     }

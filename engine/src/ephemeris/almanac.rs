@@ -14,6 +14,8 @@
 //! Acton (1996), Planet. Space Sci. 44, 65, doi:10.1016/0032-0633(95)00107-7.
 //! Park et al. (2021), Astron. J. 161, 105, doi:10.3847/1538-3881/abd414, for DE440.
 
+use std::collections::HashMap;
+
 use anise::almanac::Almanac as Anise;
 use anise::constants::orientations::J2000;
 use anise::math::{Matrix3, Vector3};
@@ -38,6 +40,8 @@ const SOLAR_SYSTEM_BARYCENTER: i32 = 0;
 pub struct Almanac {
     pub(super) anise: Anise,
     pub(super) kernels: Vec<Kernel>,
+    /// Bodies whose rotation is given and not evaluated, and why.
+    pub(super) left_out: HashMap<i32, String>,
 }
 
 impl std::fmt::Debug for Almanac {
@@ -220,6 +224,9 @@ impl Almanac {
         let frame_id = candidates.iter().copied().find(|id| self.has_frame(*id)).ok_or_else(|| {
             // Of the defaults the last asks for least.
             let id = if frame.is_some() { candidates[0] } else { candidates[candidates.len() - 1] };
+            if let Some(reason) = self.left_out.get(&id) {
+                return EphemerisError::Rotation { frame: frame_name(id), reason: reason.clone() };
+            }
             let lunar = LUNAR_FRAMES.iter().find(|frame| frame.id == id);
             let needed = lunar.map_or("a text PCK with the body's rotation (pck00011.tpc)", |frame| frame.kernels);
             let frame = frame.map_or_else(|| frame_name(id), str::to_owned);

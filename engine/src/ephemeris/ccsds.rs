@@ -1,4 +1,4 @@
-//! CCSDS orbit and attitude ephemeris messages in keyword form, written for flight dynamics.
+//! CCSDS orbit and attitude ephemeris messages in keyword form, written for flight dynamics; and what both share when read.
 //!
 //! Positions in km and velocities in km/s; quaternions turn components in frame A into components in frame B, scalar last.
 //! Times are TDB. A message needs rising times: the caller sorts. The versions are those that most programs read, and that of

@@ -15,10 +15,16 @@ pub enum EphemerisError {
     Unreadable { path: PathBuf, hint: String, source: std::io::Error },
     #[error("kernel {} is corrupted", path.display())]
     Corrupted { path: PathBuf, source: DafError },
-    #[error("kernel {} is {found}; allowed are SPK, binary PCK, text PCK, text FK and ANISE's .pca and .epa", path.display())]
+    #[error("kernel {} is {found}; allowed are SPK, binary PCK, text PCK, text FK, meta-kernels and ANISE's .pca and .epa", path.display())]
     Unsupported { path: PathBuf, found: &'static str },
-    #[error("constants in kernel {} cannot be used", path.display())]
-    Constants { path: PathBuf, source: Box<AniseDataSetError> },
+    #[error("kernel {}, line {line}: {problem}", path.display())]
+    Text { path: PathBuf, line: usize, problem: String },
+    #[error("meta-kernel {} is named by meta-kernel {}; a meta-kernel names no other", path.display(), by.display())]
+    NestedMeta { path: PathBuf, by: PathBuf },
+    #[error("the constants of the text kernels cannot be used")]
+    Constants { source: Box<AniseDataSetError> },
+    #[error("the rotation of {frame} in the loaded kernels is not evaluated: {reason}")]
+    Rotation { frame: String, reason: String },
     #[error("kernel {}: segment `{segment}` has data type {data_type}; allowed are {allowed}", path.display())]
     DataType { path: PathBuf, segment: String, data_type: i32, allowed: &'static str },
     #[error("kernel {}: segment `{segment}` refers to inertial frame {frame_id}; allowed are {allowed}", path.display())]

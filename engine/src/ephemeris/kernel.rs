@@ -1,19 +1,16 @@
 //! Kernel files: what kind they are, what they cover, their SHA-256.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anise::naif::kpl::KPLItem;
-use anise::naif::kpl::fk::FKItem;
-use anise::naif::kpl::parser::parse_bytes;
-use anise::naif::kpl::tpc::TPCItem;
 use anise::structure::{EulerParameterDataSet, PlanetaryDataSet};
 
 use super::daf::{self, DafError, Kind, Segment};
 use super::epoch::et_text;
 use super::names::{body_name, frame_name};
 use super::shipped::KernelSource;
-use super::{EphemerisError, known_file};
+use super::text_kernel::{self, Assignment};
+use super::{EphemerisError, fixed_frames, kernel_pool, known_file, meta_kernel};
 
 /// A kernel file and what it holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +26,8 @@ pub struct Kernel {
     pub constants_of: Vec<i32>,
     /// Frames defined by a constant rotation.
     pub fixed_frames: Vec<i32>,
+    /// The kernels that a meta-kernel names.
+    pub names: Vec<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,6 +36,8 @@ pub enum Format {
     BinaryPck,
     /// A text kernel: PCK, FK or leap seconds. The last change nothing, since the program knows them.
     Text,
+    /// A text kernel that names kernels to load.
+    Meta,
     /// ANISE's `.pca` or `.epa`.
     Anise,
 }
@@ -44,7 +45,7 @@ pub enum Format {
 /// The data of a kernel, ready for the almanac.
 pub(super) enum Contents {
     Daf(Vec<u8>),
-    Text { bodies: HashMap<i32, TPCItem>, frames: HashMap<i32, FKItem> },
+    Text { assignments: Vec<Assignment>, names: Vec<KernelSource> },
     Bodies(PlanetaryDataSet),
     Frames(EulerParameterDataSet),
 }
@@ -70,11 +71,17 @@ impl Kernel {
                 let format = if segments[0].kind == Kind::Spk { Format::Spk } else { Format::BinaryPck };
                 (format, segments)
             }
-            Contents::Text { .. } => (Format::Text, Vec::new()),
+            Contents::Text { names, .. } if names.is_empty() => (Format::Text, Vec::new()),
+            Contents::Text { .. } => (Format::Meta, Vec::new()),
             Contents::Bodies(_) | Contents::Frames(_) => (Format::Anise, Vec::new()),
         };
         let (constants_of, fixed_frames) = contents.ids();
-        Ok((Self { path: path.to_owned(), name, sha256, format, segments, constants_of, fixed_frames }, contents))
+        let names = match &contents {
+            Contents::Text { names, .. } => names.iter().map(|named| named.path().to_owned()).collect(),
+            _ => Vec::new(),
+        };
+        let path = path.to_owned();
+        Ok((Self { path, name, sha256, format, segments, constants_of, fixed_frames, names }, contents))
     }
 
     /// The kernel as lines of text: format, SHA-256, then a line for each segment and list of constants.
@@ -92,6 +99,7 @@ impl Kernel {
         if !self.fixed_frames.is_empty() {
             lines.push(format!("  frames {}", list(&self.fixed_frames, frame_name)));
         }
+        lines.extend(self.names.iter().map(|path| format!("  loads {}", path.display())));
         lines
     }
 }
@@ -154,9 +162,14 @@ impl Contents {
         if bytes.starts_with(b"version https://git-lfs") {
             return Err(unsupported("a Git LFS pointer, not the file it stands for"));
         }
-        if bytes.starts_with(b"KPL/") || find(&bytes, b"\\begindata") {
-            let text = with_c_exponents(&String::from_utf8_lossy(&bytes));
-            return Ok(Self::Text { bodies: parse_text(&text), frames: parse_text(&text) });
+        if text_kernel::is_text_kernel(&bytes) {
+            let fault = |fault: text_kernel::Fault| {
+                let (path, problem) = (path.to_owned(), fault.problem);
+                EphemerisError::Text { path, line: fault.line, problem }
+            };
+            let assignments = text_kernel::parse(&String::from_utf8_lossy(&bytes)).map_err(fault)?;
+            let names = meta_kernel::named(path, &assignments)?;
+            return Ok(Self::Text { assignments, names });
         }
         if let Ok(bodies) = PlanetaryDataSet::try_from_bytes(&bytes[..]) {
             return Ok(Self::Bodies(bodies));
@@ -172,9 +185,8 @@ impl Contents {
         let sorted = |ids: BTreeSet<i32>| ids.into_iter().collect::<Vec<_>>();
         match self {
             Self::Daf(_) => (Vec::new(), Vec::new()),
-            Self::Text { bodies, frames } => {
-                let frames = frames.iter().filter(|(_, frame)| !frame.data.is_empty()).map(|(id, _)| *id);
-                (sorted(bodies.keys().copied().collect()), sorted(frames.collect()))
+            Self::Text { assignments, .. } => {
+                (sorted(kernel_pool::bodies(assignments)), sorted(fixed_frames::frames(assignments)))
             }
             Self::Bodies(set) => (sorted(set.lut.by_id.keys().copied().collect()), Vec::new()),
             Self::Frames(set) => (Vec::new(), sorted(set.lut.by_id.keys().copied().collect())),
@@ -186,40 +198,9 @@ fn corrupted(path: &Path, source: DafError) -> EphemerisError {
     EphemerisError::Corrupted { path: path.to_owned(), source }
 }
 
-fn find(bytes: &[u8], pattern: &[u8]) -> bool {
-    bytes.windows(pattern.len()).any(|window| window == pattern)
-}
-
-fn parse_text<Item: KPLItem>(text: &str) -> HashMap<i32, Item> {
-    parse_bytes(&mut text.as_bytes(), false).expect("reading from memory does not fail")
-}
-
-/// Turns Fortran's exponents (`-1.4D-12`) into C's.
-///
-/// `anise` 0.10.6 reads a vector's element with a `D` as 0, which drops a term of the Moon's rotation
-/// (0.42″ in 2024).
-fn with_c_exponents(text: &str) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for i in 1..bytes.len().saturating_sub(1) {
-        let mantissa = bytes[i - 1].is_ascii_digit() || bytes[i - 1] == b'.';
-        let exponent = bytes[i + 1].is_ascii_digit() || matches!(bytes[i + 1], b'+' | b'-');
-        if matches!(bytes[i], b'D' | b'd') && mantissa && exponent {
-            bytes[i] = b'E';
-        }
-    }
-    String::from_utf8(bytes).expect("only ASCII was replaced by ASCII")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn fortran_exponents_become_c_exponents() {
-        let text = "BODY301_PM = ( 38.3213 13.17635815 -1.4D-12 ) 1.d3 2D+2 BODY3D4 MOON_ME_DE421 D5";
-        let expected = "BODY301_PM = ( 38.3213 13.17635815 -1.4E-12 ) 1.E3 2E+2 BODY3E4 MOON_ME_DE421 D5";
-        assert_eq!(with_c_exponents(text), expected);
-    }
 
     #[test]
     fn files_of_other_kinds_are_named() {

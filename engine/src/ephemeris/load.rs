@@ -1,15 +1,14 @@
 //! Loading kernels: what `anise` reads wrongly without a word is refused or repaired here.
 //!
 //! Refused are segments in frames other than ICRF (`anise` 0.10.6 ignores a segment's frame), of types that it cannot
-//! evaluate, and those that overlap in a file. Repaired are constants: text kernels are merged in order,
-//! bodies without mass kept, and frames given by matrices left out.
+//! evaluate, and those that overlap in a file. Text kernels are read here ([`super::kernel_pool`]); bodies without mass or
+//! without the angles of their system are kept.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use anise::almanac::Almanac as Anise;
-use anise::naif::kpl::fk::FKItem;
-use anise::naif::kpl::parser::{convert_fk_items, convert_tpc_items};
+use anise::naif::kpl::parser::convert_tpc_items;
 use anise::naif::kpl::tpc::TPCItem;
 use anise::naif::kpl::{KPLValue, Parameter};
 use anise::naif::{BPC, SPK};
@@ -17,7 +16,8 @@ use anise::naif::{BPC, SPK};
 use super::daf::{DafError, Kind, Segment};
 use super::epoch::et_text;
 use super::kernel::{Contents, Kernel};
-use super::names::{LUNAR_FRAMES, body_name};
+use super::kernel_pool::{Constants, KernelPool};
+use super::names::body_name;
 use super::shipped::KernelSource;
 use super::{Almanac, EphemerisError};
 
@@ -34,37 +34,64 @@ impl Almanac {
     }
 
     /// Loads kernels in order, from files or from the program; where two cover the same, the later one wins, as in SPICE.
+    /// What a meta-kernel names is loaded where it stands.
     pub fn load_sources(sources: &[KernelSource]) -> Result<Self, EphemerisError> {
-        let mut anise = Anise::default();
-        let mut kernels: Vec<Kernel> = Vec::new();
-        let mut constants = HashMap::new();
-        let mut constants_path = PathBuf::new();
+        let mut loader = Loader::default();
         for source in sources {
-            let (kernel, contents) = Kernel::read(source)?;
-            let path = source.path();
-            check_segments(&kernel)?;
-            // ANISE keeps kernels by name, and two folders may hold one name.
-            let alias = Some(format!("{} {}", kernels.len(), path.display()));
-            anise = match contents {
-                Contents::Daf(bytes) => load_daf(anise, path, &kernel, &bytes, alias)?,
-                Contents::Bodies(set) => anise.with_planetary_data_as(set, alias),
-                Contents::Frames(set) => anise.with_euler_parameters_as(set, alias),
-                Contents::Text { bodies, frames } => {
-                    if !bodies.is_empty() {
-                        path.clone_into(&mut constants_path);
-                    }
-                    merge_constants(&mut constants, bodies);
-                    with_fixed_frames(anise, path, frames, alias)?
-                }
-            };
-            kernels.push(kernel);
+            loader.take(source, None)?;
         }
-        if !constants.is_empty() {
-            let set = convert_tpc_items(with_masses(constants), HashMap::new())
-                .map_err(|source| EphemerisError::Constants { path: constants_path, source: Box::new(source) })?;
+        loader.finish()
+    }
+}
+
+/// What has been loaded so far.
+#[derive(Default)]
+struct Loader {
+    anise: Anise,
+    kernels: Vec<Kernel>,
+    pool: KernelPool,
+}
+
+impl Loader {
+    fn take(&mut self, source: &KernelSource, named_by: Option<&Path>) -> Result<(), EphemerisError> {
+        let (kernel, contents) = Kernel::read(source)?;
+        let path = source.path();
+        check_segments(&kernel)?;
+        // ANISE keeps kernels by name, and two folders may hold one name.
+        let alias = Some(format!("{} {}", self.kernels.len(), path.display()));
+        let anise = std::mem::take(&mut self.anise);
+        let mut names = Vec::new();
+        self.anise = match contents {
+            Contents::Daf(bytes) => load_daf(anise, path, &kernel, &bytes, alias)?,
+            Contents::Bodies(set) => anise.with_planetary_data_as(set, alias),
+            Contents::Frames(set) => anise.with_euler_parameters_as(set, alias),
+            Contents::Text { assignments, names: named } => {
+                names = named;
+                self.pool.assign(path, assignments)?;
+                anise
+            }
+        };
+        self.kernels.push(kernel);
+        match named_by {
+            Some(by) if !names.is_empty() => {
+                Err(EphemerisError::NestedMeta { path: path.to_owned(), by: by.to_owned() })
+            }
+            _ => names.iter().try_for_each(|named| self.take(named, Some(path))),
+        }
+    }
+
+    fn finish(self) -> Result<Almanac, EphemerisError> {
+        let Self { mut anise, kernels, pool } = self;
+        let Constants { bodies, left_out } = pool.constants()?;
+        if !bodies.is_empty() {
+            let set = convert_tpc_items(completed(bodies), HashMap::new())
+                .map_err(|source| EphemerisError::Constants { source: Box::new(source) })?;
             anise = anise.with_planetary_data_as(set, Some("text".to_owned()));
         }
-        Ok(Self { anise, kernels })
+        if let Some(frames) = pool.lunar_frames()? {
+            anise = anise.with_euler_parameters_as(frames, Some("text".to_owned()));
+        }
+        Ok(Almanac { anise, kernels, left_out })
     }
 }
 
@@ -116,32 +143,9 @@ fn load_daf(
     }
 }
 
-fn with_fixed_frames(
-    anise: Anise,
-    path: &Path,
-    frames: HashMap<i32, FKItem>,
-    alias: Option<String>,
-) -> Result<Anise, EphemerisError> {
-    // ANISE hangs frames given by a matrix on the wrong parent; only the lunar ones, given by angles, are used.
-    let lunar: HashMap<i32, FKItem> =
-        frames.into_iter().filter(|(id, _)| LUNAR_FRAMES.iter().any(|frame| frame.id == *id)).collect();
-    if lunar.is_empty() {
-        return Ok(anise);
-    }
-    let set = convert_fk_items(lunar)
-        .map_err(|source| EphemerisError::Constants { path: path.to_owned(), source: Box::new(source) })?;
-    Ok(anise.with_euler_parameters_as(set, alias))
-}
-
-fn merge_constants(all: &mut HashMap<i32, TPCItem>, more: HashMap<i32, TPCItem>) {
-    for (id, item) in more {
-        all.entry(id).or_insert_with(|| TPCItem { body_id: Some(id), ..TPCItem::default() }).data.extend(item.data);
-    }
-}
-
-/// Gives every body a mass, since ANISE skips bodies without, and Mercury and Venus their systems' angles, since
-/// ANISE finds them under either id, by chance.
-fn with_masses(mut constants: HashMap<i32, TPCItem>) -> HashMap<i32, TPCItem> {
+/// Gives every body what ANISE asks for: a mass, since it skips bodies without, an entry of its system, and to Mercury and
+/// Venus their systems' angles, since ANISE finds them under either id, by chance.
+fn completed(mut constants: HashMap<i32, TPCItem>) -> HashMap<i32, TPCItem> {
     for (planet, system) in [(199, 1), (299, 2)] {
         if let Some(system) = constants.remove(&system)
             && let Some(planet) = constants.get_mut(&planet)
@@ -151,11 +155,12 @@ fn with_masses(mut constants: HashMap<i32, TPCItem>) -> HashMap<i32, TPCItem> {
             }
         }
     }
+    let systems: Vec<i32> = constants.keys().filter(|id| **id >= 300).map(|id| id / 100).collect();
+    for id in systems {
+        constants.entry(id).or_insert_with(|| TPCItem { body_id: Some(id), ..TPCItem::default() });
+    }
     for item in constants.values_mut() {
-        let mass = item.data.entry(Parameter::GravitationalParameter).or_insert(KPLValue::Float(0.0));
-        if let KPLValue::Integer(whole) = *mass {
-            *mass = KPLValue::Float(f64::from(whole));
-        }
+        item.data.entry(Parameter::GravitationalParameter).or_insert(KPLValue::Float(0.0));
     }
     constants
 }

@@ -14,12 +14,17 @@ mod daf;
 mod default_kernels;
 mod epoch;
 mod error;
+mod fixed_frames;
 mod kernel;
+mod kernel_pool;
 mod load;
 mod manifest;
+mod meta_kernel;
+mod metadata;
 mod names;
 mod shipped;
 mod sun;
+mod text_kernel;
 
 pub use almanac::{Almanac, BodyFrame, Orientation};
 pub use daf::{DafError, Kind, Segment};

@@ -1,4 +1,4 @@
-//! Crater lists in comma-separated values.
+//! Crater lists in comma-separated values, quoted after RFC 4180 ([`crate::text`]).
 //!
 //! The first line names the columns, in any order; others are passed over. One of two sets must be there:
 //!
@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Crater, Origin};
 use crate::geometry::Geodetic;
+use crate::text::{self, Heading, Table, TableError};
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -39,38 +40,36 @@ pub enum Error {
     Fields { path: PathBuf, line: usize, got: usize, want: usize },
     #[error("{path}:{line}: the shortest diameter {minor_m} m is longer than the longest, {major_m} m")]
     Axes { path: PathBuf, line: usize, minor_m: f64, major_m: f64 },
+    #[error("{path}: {source}")]
+    Table { path: PathBuf, source: TableError },
     #[error("{path} lists no craters")]
     Empty { path: PathBuf },
 }
 
 /// The craters of a list, in its order. Each id begins with `prefix`.
 pub fn read(path: &Path, prefix: &str, origin: Origin) -> Result<Vec<Crater>, Error> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })?;
+    let text = text::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
     parse(path, &text, prefix, origin)
 }
 
 /// As [`read`]; a list may be empty where `origin` is not a catalogue: a terrain may hold no crater.
 pub fn parse(path: &Path, text: &str, prefix: &str, origin: Origin) -> Result<Vec<Crater>, Error> {
-    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
-    let header: Vec<&str> = lines.next().map_or("", |(_, line)| line).split(',').map(unquoted).collect();
+    let table =
+        Table::parse(text, Heading::Needed, None).map_err(|source| Error::Table { path: path.into(), source })?;
+    let header: Vec<&str> = table.heading.iter().flat_map(|heading| &heading.fields).map(String::as_str).collect();
     let columns = Columns::find(path, &header)?;
-    let rows = lines.filter(|(_, line)| !line.trim().is_empty());
-    let crater = |(index, line): (usize, &str)| {
-        let fields: Vec<&str> = line.split(',').map(unquoted).collect();
+    let crater = |row: &text::Row| {
+        let fields: Vec<&str> = row.fields.iter().map(String::as_str).collect();
         if fields.len() != header.len() {
-            return Err(Error::Fields { path: path.into(), line: index + 1, got: fields.len(), want: header.len() });
+            return Err(Error::Fields { path: path.into(), line: row.line, got: fields.len(), want: header.len() });
         }
-        columns.crater(&Row { path, line: index + 1, header: &header, fields: &fields }, prefix, origin)
+        columns.crater(&Row { path, line: row.line, header: &header, fields: &fields }, prefix, origin)
     };
-    let craters: Vec<Crater> = rows.map(crater).collect::<Result<_, _>>()?;
+    let craters: Vec<Crater> = table.rows.iter().map(crater).collect::<Result<_, _>>()?;
     match (origin, craters.is_empty()) {
         (Origin::Catalogue, true) => Err(Error::Empty { path: path.into() }),
         _ => Ok(craters),
     }
-}
-
-fn unquoted(field: &str) -> &str {
-    field.trim().trim_matches('"')
 }
 
 const LATITUDES: &str = "[-90, 90] deg";

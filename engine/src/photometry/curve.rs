@@ -5,6 +5,7 @@
 
 use super::PhotometryError;
 use super::quadrature::{gauss_legendre, integrate};
+use crate::text::{Heading, Row, Table, column_name};
 
 /// A function of wavelength.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +19,62 @@ const MOST_POINTS: usize = 1_000_000;
 
 /// Three curves times the wavelength are a polynomial of degree 4 between their points.
 const POINTS_A_SEGMENT: usize = 3;
+
+/// Names of wavelengths with their unit in nm, as [`column_name`] writes them.
+const WAVELENGTHS: [(&str, f64); 17] = [
+    ("wavelength", 1.0),
+    ("wavelength_nm", 1.0),
+    ("wavelengths", 1.0),
+    ("wavelengths_nm", 1.0),
+    ("lambda", 1.0),
+    ("lambda_nm", 1.0),
+    ("wl", 1.0),
+    ("wl_nm", 1.0),
+    ("nm", 1.0),
+    ("wavelength_um", 1e3),
+    ("wavelength_µm", 1e3),
+    ("wavelength_micron", 1e3),
+    ("wavelength_microns", 1e3),
+    ("lambda_um", 1e3),
+    ("um", 1e3),
+    ("wavelength_angstrom", 0.1),
+    ("angstrom", 0.1),
+];
+
+/// Names of values without a unit, or in that of a spectrum.
+const VALUES: [&str; 19] = [
+    "value",
+    "response",
+    "relative_response",
+    "spectral_response",
+    "relative_spectral_response",
+    "responsivity",
+    "sensitivity",
+    "transmission",
+    "transmittance",
+    "throughput",
+    "qe",
+    "quantum_efficiency",
+    "irradiance",
+    "irradiance_w_m2_nm",
+    "irradiance_w_m_2_nm_1",
+    "spectral_irradiance",
+    "ssi",
+    "ssi_w_m2_nm",
+    "ssi_w_m_2_nm_1",
+];
+
+/// Which of the two columns holds wavelengths, and their unit in nm.
+fn columns(heading: &Row) -> Option<(usize, f64)> {
+    let [first, second] = &heading.fields[..] else { return None };
+    let names = [first, second].map(|name| column_name(name));
+    let unit_nm = |name: &String| WAVELENGTHS.iter().find(|(known, _)| known == name).map(|(_, unit_nm)| *unit_nm);
+    let found = |wavelength: usize| {
+        let is_value = VALUES.contains(&names[1 - wavelength].as_str());
+        unit_nm(&names[wavelength]).filter(|_| is_value).map(|unit_nm| (wavelength, unit_nm))
+    };
+    found(0).or(found(1))
+}
 
 impl Curve {
     pub fn new(points: Vec<[f64; 2]>) -> Result<Self, PhotometryError> {
@@ -44,24 +101,29 @@ impl Curve {
         Self::new(vec![[from_nm, 1.0], [to_nm, 1.0]])
     }
 
-    /// Lines of two numbers, parted by commas or blanks: wavelength in nm and value. Lines that begin with `#` are
-    /// skipped, and so is a first line of names.
+    /// A [`Table`] of two columns: wavelength, in nm where no heading says otherwise, and value. Lines that begin with `#` are
+    /// comments.
     pub fn parse(text: &str) -> Result<Self, PhotometryError> {
-        let mut points = Vec::new();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.trim();
-            if line.is_empty() || line.starts_with('#') {
-                continue;
-            }
-            let parts = line.split([',', ';', ' ', '\t']).filter(|part| !part.is_empty());
+        let table = Table::parse(text, Heading::Optional, Some('#'))?;
+        let (wavelength, unit_nm) = match &table.heading {
+            None => (0, 1.0),
+            Some(heading) => columns(heading).ok_or_else(|| {
+                let got = heading.fields.join(", ");
+                PhotometryError::CurveHeading { line: heading.line, got }
+            })?,
+        };
+        let point = |row: &Row| {
+            // Lines may part their numbers otherwise than the first one does.
+            let parts = row.fields.iter().flat_map(|field| field.split([',', ';', ' ', '\t']));
+            let parts = parts.filter(|part| !part.is_empty());
             let numbers: Option<Vec<f64>> = parts.map(|part| part.parse().ok()).collect();
             match numbers.as_deref() {
-                Some(&[wavelength_nm, value]) => points.push([wavelength_nm, value]),
-                None if points.is_empty() => {}
-                _ => return Err(PhotometryError::CurveLine { line: index + 1 }),
+                Some(&[first, second]) if wavelength == 0 => Ok([first * unit_nm, second]),
+                Some(&[first, second]) => Ok([second * unit_nm, first]),
+                _ => Err(PhotometryError::CurveLine { line: row.line }),
             }
-        }
-        Self::new(points)
+        };
+        Self::new(table.rows.iter().map(point).collect::<Result<_, _>>()?)
     }
 
     /// The first and the last wavelength.
@@ -132,7 +194,12 @@ mod tests {
     fn text_has_two_numbers_a_line() {
         let text = "wavelength nm, response\n# a filter\n400, 0.0\n500;1\n\n600\t0.5\n";
         assert_eq!(Curve::parse(text).unwrap(), curve(&[[400.0, 0.0], [500.0, 1.0], [600.0, 0.5]]));
+        let swapped = "\u{feff}response;wavelength [um]\r0;0.4\r1;0.5\r0.5;0.6";
+        assert_eq!(Curve::parse(swapped).unwrap(), Curve::parse(text).unwrap());
         for (text, message) in [
+            ("40O,1\n500,1\n600,1\n", "line 1 is not two numbers"),
+            ("400;1\n500;0,5\n", "line 2 is not two numbers"),
+            ("band,response\n500,1\n600,1\n", "line 1 has the names band, response; allowed are wavelength_nm"),
             ("400,1\n500,x\n", "line 2 is not two numbers"),
             ("400,1\n500,1,2\n", "line 2 is not two numbers"),
             ("400,1\n400,1\n", "point 2 has a wavelength that does not rise"),

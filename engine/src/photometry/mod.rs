@@ -41,6 +41,13 @@ pub enum PhotometryError {
     OutOfRange { parameter: &'static str, got: f64, allowed: &'static str },
     #[error("line {line} is not two numbers, a wavelength in nm and a value")]
     CurveLine { line: usize },
+    #[error(
+        "line {line} has the names {got}; allowed are wavelength_nm, wavelength_um or wavelength_angstrom, and response, \
+         transmission, quantum_efficiency, irradiance or value"
+    )]
+    CurveHeading { line: usize, got: String },
+    #[error(transparent)]
+    CurveTable(#[from] crate::text::TableError),
     #[error("point {point} {what}")]
     CurvePoint { point: usize, what: &'static str },
     #[error("has {got} points; allowed are 2 to 1 000 000 points")]

@@ -94,7 +94,7 @@ fn kernel(path: &Path) -> Result<Kernel, Error> {
 
 /// Lines of numbers with commas between them; lines that begin with # are comments.
 fn numbers(path: &Path) -> Result<(usize, usize, Vec<f64>), Error> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::UnreadableKernel { path: path.into(), source })?;
+    let text = crate::text::read(path).map_err(|source| Error::UnreadableKernel { path: path.into(), source })?;
     let mut table: Vec<Vec<f64>> = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
         let error = |got: &str| Error::KernelLine { path: path.into(), line: index + 1, got: got.into() };

@@ -66,6 +66,8 @@ pub enum Fault {
     NotAnEpoch { got: String },
     #[error("= \"{got}\" is not found{}{}", places(looked_in), spaced_after(about))]
     FileNotFound { got: String, looked_in: Vec<String>, about: Option<String> },
+    #[error("and {count} more problems")]
+    More { count: usize },
     #[error("= \"{got}\" is a directory, not a file")]
     IsADirectory { got: String },
 }

@@ -127,7 +127,7 @@ fn curve(key: &str, name: &str, check: &mut Check) -> Option<(Curve, PathBuf)> {
     if path.as_os_str().is_empty() {
         return None;
     }
-    let text = std::fs::read_to_string(&path).map_err(|error| error.to_string());
+    let text = crate::text::read(&path).map_err(|error| error.to_string());
     match text.and_then(|text| Curve::parse(&text).map_err(|error| error.to_string())) {
         Ok(curve) => Some((curve, path)),
         Err(error) => {

@@ -23,8 +23,7 @@ fn find(name: &Path) -> Result<(PathBuf, String), ScenarioError> {
         candidates.push(Path::new("scenarios").join(name));
     }
     if let Some(path) = candidates.iter().find(|path| path.exists()).cloned() {
-        let text =
-            std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
+        let text = crate::text::read(&path).map_err(|source| ScenarioError::Read { path: path.clone(), source })?;
         return Ok((path, text));
     }
     let shipped = is_bare.then(|| ShippedScenario::named(&name.to_string_lossy())).flatten();

@@ -16,15 +16,15 @@ const QUATERNION_LENGTH_TOLERANCE: f64 = 1e-3;
 const MOST_EXPOSURES: u32 = 100_000;
 
 /// Epochs in order; empty where none could be read.
-pub fn exposures(written: &spec::Exposures, camera: &Camera, check: &mut Check) -> Vec<Epoch> {
-    match written {
+pub fn exposures(spec: &Spec, camera: &Camera, check: &mut Check) -> Vec<Epoch> {
+    match &spec.exposures {
         spec::Exposures::Series { start, step_s, count } => {
             let Some(start) = check.epoch("exposures.start", start) else { return Vec::new() };
             (0..(*count).min(MOST_EXPOSURES)).map(|index| after(start, step_s * f64::from(index))).collect()
         }
         spec::Exposures::List(texts) => listed(texts, check),
         spec::Exposures::Isd => {
-            check.needs(camera.isd.is_some(), "exposures", "needs camera.isd, whose centre time it takes");
+            check.needs(spec.camera.isd.is_some(), "exposures", "needs camera.isd, whose centre time it takes");
             let centre = camera.isd.as_ref().map_or(0.0, |isd| isd.centre_tdb_s);
             vec![Epoch::from_et_seconds(centre)]
         }

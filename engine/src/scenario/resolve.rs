@@ -12,6 +12,7 @@ use crate::dataset::Format;
 
 /// Resolves a scenario's text; `path` names it in messages. Reports all problems at once.
 pub fn resolve(path: &Path, text: &str, places: &SearchPath, about: FileHint) -> Result<Scenario, ScenarioError> {
+    let text = &*crate::text::plain(text);
     let problems = |mut problems: Vec<Problem>| {
         problems.sort_by_key(|problem| problem.place);
         ScenarioError::Problems { path: path.to_path_buf(), problems }
@@ -32,7 +33,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     let spec = &presets::completed(spec);
     check.rule(!spec.title.trim().is_empty(), "title", "\"\"", "must say what the sequence shows");
     let (camera, detector) = camera::camera(spec, check);
-    let exposures = motion::exposures(&spec.exposures, &camera, check);
+    let exposures = motion::exposures(spec, &camera, check);
     let landmarks = camera::landmarks(spec, &camera, check);
     let terrain = spec.terrain.as_ref().map(|terrain| world::terrain(terrain, check));
     let has_terrain = terrain.is_some();

@@ -18,12 +18,18 @@ pub fn schema() -> Schema {
     schemars::schema_for!(Spec)
 }
 
-/// All faults of structure.
+/// Problems that are told one by one.
+const TOLD: usize = 100;
+
+/// The first hundred faults of structure, and how many there are beyond.
 pub fn check(tree: &Node) -> Vec<Problem> {
     let schema = schema();
     let root = schema.as_value();
-    let mut check = Check { definitions: root.get("$defs"), problems: Vec::new() };
+    let mut check = Check { definitions: root.get("$defs"), problems: Vec::new(), more: None };
     check.node(root, tree, "");
+    if let Some((place, count)) = check.more {
+        check.problems.push(Problem { place, key: String::new(), fault: Fault::More { count } });
+    }
     check.problems
 }
 
@@ -53,11 +59,17 @@ pub fn unit(key: &str) -> &'static str {
 struct Check<'a> {
     definitions: Option<&'a Json>,
     problems: Vec<Problem>,
+    /// Where the first stands that is not told, and how many are not.
+    more: Option<(TextPosition, usize)>,
 }
 
 impl<'a> Check<'a> {
     fn report(&mut self, place: TextPosition, key: &str, fault: Fault) {
-        self.problems.push(Problem { place, key: key.into(), fault });
+        match &mut self.more {
+            Some((_, count)) => *count += 1,
+            None if self.problems.len() == TOLD => self.more = Some((place, 1)),
+            None => self.problems.push(Problem { place, key: key.into(), fault }),
+        }
     }
 
     fn node(&mut self, schema: &'a Json, node: &Node, key: &str) {
@@ -140,6 +152,10 @@ impl<'a> Check<'a> {
         let key = join(parent, &field.key);
         match properties.get(&field.key) {
             Some(property) => self.node(property, &field.node, &key),
+            // Only counted: to look for a near name would take most of the time.
+            None if self.more.is_some() => {
+                self.report(field.place, &key, Fault::UnknownKey { near: None, allowed: Vec::new() });
+            }
             None => {
                 let allowed: Vec<String> = properties.keys().cloned().collect();
                 let near = near(&field.key, &allowed);

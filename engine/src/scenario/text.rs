@@ -9,7 +9,7 @@ pub fn parse(text: &str) -> Result<Spec, Problem> {
     read(text).map_err(|error| Problem {
         place: TextPosition { line: error.span.start.line, column: error.span.start.col },
         key: String::new(),
-        fault: Fault::Syntax(first_letter_lower(&error.code.to_string())),
+        fault: Fault::Syntax(first_letter_lower(&error.code.to_string()) + hint(&error.code)),
     })
 }
 
@@ -18,6 +18,14 @@ pub fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, ron::error:
     use ron::extensions::Extensions;
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
     ron::Options::default().with_default_extension(extensions).from_str(text)
+}
+
+/// What to write instead, where what stands there is likely meant so.
+fn hint(error: &ron::Error) -> &'static str {
+    match error {
+        ron::Error::InvalidEscape(_) => "; paths are written with /, or as r\"…\"",
+        _ => "",
+    }
 }
 
 /// Shadows as scenarios write them, as in `TowardsSun(by: Swath())`.

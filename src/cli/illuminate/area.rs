@@ -4,6 +4,7 @@ use std::path::Path;
 
 use perilune_engine::geometry::Geodetic;
 use perilune_engine::illumination::Area;
+use perilune_engine::text::{self, Heading, Row, Table, column_name};
 use serde_json::Value as Json;
 
 use crate::cli::place;
@@ -37,23 +38,61 @@ pub fn areas(text: &str) -> Result<Vec<NamedArea>, String> {
     }
 }
 
-/// GeoJSON, or the corners of one polygon as CSV: latitude, longitude.
+/// GeoJSON, or the corners of one polygon as a table: latitude, longitude, where no heading says otherwise.
 fn of_file(path: &Path) -> Result<Vec<NamedArea>, String> {
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let text = text::read(path).map_err(|error| error.to_string())?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     if text.trim_start().starts_with('{') {
         let json: Json = serde_json::from_str(&text).map_err(|error| error.to_string())?;
         return of_geojson(&json, &name);
     }
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    // A first line of names is no corner.
-    let heading = usize::from(lines.first().is_some_and(|line| place(line).is_err()));
-    let corner = |line: &&str| place(line).map_err(|want| format!("{line:?}: {want}"));
-    let ring = lines[heading.min(lines.len())..].iter().map(corner).collect::<Result<Vec<_>, _>>()?;
+    let table = Table::parse(&text, Heading::Optional, Some('#')).map_err(|error| error.to_string())?;
+    let [latitude, longitude] = table.heading.as_ref().map_or(Ok([0, 1]), columns)?;
+    let corner = |row: &Row| {
+        let written = || row.fields.join(",");
+        let [_, _] = &row.fields[..] else {
+            return Err(format!("line {}: {:?} is not two numbers", row.line, written()));
+        };
+        place(&format!("{},{}", row.fields[latitude], row.fields[longitude]))
+            .map_err(|want| format!("line {}: {:?}: {want}", row.line, written()))
+    };
+    let ring = table.rows.iter().map(corner).collect::<Result<Vec<_>, _>>()?;
     if ring.len() < 3 {
         return Err(format!("{} corners; a polygon has 3 or more lines LAT,LON", ring.len()));
     }
     Ok(vec![NamedArea { name, area: Area::Polygon(vec![ring]) }])
+}
+
+/// Names of columns, as [`column_name`] writes them.
+const LATITUDES: [&str; 5] = ["latitude", "latitude_deg", "lat", "lat_deg", "latitude_degrees"];
+const LONGITUDES: [&str; 11] = [
+    "longitude",
+    "longitude_deg",
+    "lon",
+    "lon_deg",
+    "long",
+    "lng",
+    "longitude_degrees",
+    "longitude_east",
+    "longitude_east_deg",
+    "lon_east",
+    "lon_east_deg",
+];
+
+/// Where latitude and longitude stand under a heading.
+fn columns(heading: &Row) -> Result<[usize; 2], String> {
+    let names: Vec<String> = heading.fields.iter().map(|name| column_name(name)).collect();
+    let is_of = |index: usize, known: &[&str]| names.get(index).is_some_and(|name| known.contains(&name.as_str()));
+    let places = [[0, 1], [1, 0]];
+    let found =
+        places.into_iter().find(|[latitude, longitude]| is_of(*latitude, &LATITUDES) && is_of(*longitude, &LONGITUDES));
+    found.filter(|_| names.len() == 2).ok_or_else(|| {
+        let (got, latitudes, longitudes) = (heading.fields.join(", "), LATITUDES.join(", "), LONGITUDES.join(", "));
+        format!(
+            "line {} has the names {got}; allowed are two, one of {latitudes} and one of {longitudes}",
+            heading.line
+        )
+    })
 }
 
 /// Polygons, alone or as features; coordinates are longitude, latitude.
@@ -85,6 +124,9 @@ fn polygon<'a>(rings: impl Iterator<Item = &'a Json>, name: &str) -> Result<Name
         if corners.len() < 3 { Err(format!("a ring of {} corners", corners.len())) } else { Ok(corners) }
     };
     let rings = rings.map(ring).collect::<Result<Vec<_>, String>>()?;
+    if rings.is_empty() {
+        return Err("a polygon without a ring".into());
+    }
     Ok(NamedArea { name: name.into(), area: Area::Polygon(rings) })
 }
 
@@ -109,6 +151,10 @@ mod tests {
         let circle = areas("-89.45,222.69,500").unwrap();
         assert!(matches!(circle[0].area, Area::Circle { radius_m: 500.0, .. }));
         assert_eq!(corners(&areas("-89.4,220; -89.4,225; -89.5,222").unwrap()[0]), 3);
+        let Area::Polygon(swapped) = &file("\u{feff}Lon;Lat\r220;-89.4\r225;-89.4\r222;-89.5").unwrap()[0].area else {
+            panic!()
+        };
+        assert!((swapped[0][0].latitude_rad.to_degrees() + 89.4).abs() < 1e-9);
         let csv = file("latitude,longitude\n-89.4,220\n-89.4,225\n\n-89.5,222\n").unwrap();
         assert_eq!((corners(&csv[0]), csv[0].name.as_str()), (3, "site"));
     }
@@ -139,7 +185,11 @@ mod tests {
         for (text, word) in [
             (r#"{"type":"Point","coordinates":[1,2]}"#, "Point"),
             ("-89,30\n-89,31\n", "2 corners"),
-            ("a,b\n-89,30\nhere\n", "here"),
+            ("a,b\n-89,30\n", "the names a, b; allowed are two, one of latitude"),
+            ("lat,lon\n-89,30\nhere\n", "line 3: \"here\""),
+            ("-89,3O\n-89,31\n-88,31\n", "line 1: \"-89,3O\""),
+            ("-89,30,x\n-89,31,x\n-88,31,x\n", "line 1: \"-89,30,x\""),
+            (r#"{"type":"Polygon","coordinates":[]}"#, "without a ring"),
             (r#"{"type":"Polygon","coordinates":[[[1,2],["x",2],[3,4]]]}"#, "not [longitude, latitude]"),
         ] {
             let error = file(text).unwrap_err();

@@ -14,15 +14,44 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Epoch, Unit};
 
 use super::{SLACK_S, TrajectoryError};
-use crate::ephemeris::epoch::parse_in_scale;
+use crate::ephemeris::metadata::{Metadata, check_frame, check_overlaps};
 use crate::ephemeris::names::INERTIAL_FRAMES;
 use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, body_id, utc_text};
 use crate::geometry::{BodyFixed, Position};
 
 const M_PER_KM: f64 = 1000.0;
+/// Keywords of metadata.
+const KEYWORDS: [&str; 12] = [
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME",
+    "REF_FRAME_EPOCH",
+    "TIME_SYSTEM",
+    "START_TIME",
+    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME",
+    "STOP_TIME",
+    "INTERPOLATION",
+    "INTERPOLATION_DEGREE",
+];
+/// No spacecraft is faster (Parker Solar Probe: 192 km/s): numbers beyond are m/s.
+const FASTEST_M_S: f64 = 300e3;
+/// Distances, in radii of the body, of states in metres that are taken for km: in low orbits at any speed, in others at one
+/// that no approach from there has.
+const LOW_RADII: std::ops::Range<f64> = 980.0..1200.0;
+const HIGH_RADII: std::ops::Range<f64> = 900.0..3000.0;
+const HIGH_SPEED_M_S: f64 = 30e3;
+/// Positions and velocities agree if the chord between two states is the mean velocity to this share: an orbit of which a step
+/// is half a radian leaves 2 %.
+const AGREEMENT: f64 = 0.1;
+/// Cosine of the turn of the velocity between two states up to which they are compared.
+const SMALL_TURN: f64 = 0.88;
+/// What positions written to the metre add to a chord.
+const ROUNDING_M: f64 = 2.0;
 const DEFAULT_DEGREE: usize = 7;
 /// Higher degrees oscillate between equal steps.
 const DEGREE_AT_MOST: usize = 27;
@@ -54,12 +83,13 @@ struct State {
 
 impl Oem {
     pub fn read(path: &Path) -> Result<Self, TrajectoryError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| TrajectoryError::Unreadable { path: path.to_owned(), source })?;
+        let text =
+            crate::text::read(path).map_err(|source| TrajectoryError::Unreadable { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, TrajectoryError> {
+    /// From a message's text; `path` names it in faults.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, TrajectoryError> {
         let mut parser = Parser::default();
         for (line, content) in (1..).zip(text.lines()) {
             parser.take(content.trim()).map_err(|problem| fault(path, line, problem))?;
@@ -69,6 +99,9 @@ impl Oem {
         if parser.segments.is_empty() {
             return Err(fault(path, last, "the message has no META_START".to_owned()));
         }
+        let spans: Vec<_> =
+            parser.segments.iter().map(|segment| [segment.useable_from, segment.useable_until]).collect();
+        check_overlaps(&spans, SLACK_S).map_err(|problem| fault(path, last, problem))?;
         Ok(Self { path: path.to_owned(), segments: parser.segments })
     }
 
@@ -104,6 +137,9 @@ impl Oem {
             return Err(TrajectoryError::Center { path: self.path.clone(), center, body });
         }
         let (position_m, velocity_m_s) = segment.interpolate(epoch);
+        segment
+            .check_unit(frame.body.equatorial_radius_m, velocity_m_s)
+            .map_err(|problem| fault(&self.path, 1, problem))?;
         Ok(turned(almanac, frame, &segment.frame, epoch, position_m, velocity_m_s)?)
     }
 }
@@ -147,9 +183,8 @@ enum Block {
 #[derive(Debug, Default)]
 struct Parser {
     block: Block,
-    meta: Vec<(String, String)>,
+    meta: Metadata,
     states: Vec<State>,
-    time_scale: Option<TimeScale>,
     segments: Vec<Segment>,
 }
 
@@ -165,8 +200,7 @@ impl Parser {
             }
             (Block::Meta, "META_STOP") => {
                 self.block = Block::States;
-                self.time_scale = Some(self.time_scale()?);
-                Ok(())
+                self.meta.time_scale().map(|_| ())
             }
             (Block::States, "COVARIANCE_START") => {
                 self.block = Block::Covariance;
@@ -177,22 +211,16 @@ impl Parser {
                 Ok(())
             }
             (Block::Covariance, _) => Ok(()),
-            (Block::Header | Block::Meta, line) => self.take_keyword(line),
+            (Block::Header, line) if line.contains('=') => Ok(()),
+            (Block::Header, line) => Err(format!("`{line}` is not KEYWORD = value")),
+            (Block::Meta, line) => self.meta.take(line, &KEYWORDS),
             (Block::States, line) => self.take_state(line),
         }
     }
 
-    fn take_keyword(&mut self, line: &str) -> Result<(), String> {
-        let (key, value) = line.split_once('=').ok_or_else(|| format!("`{line}` is not KEYWORD = value"))?;
-        if self.block == Block::Meta {
-            self.meta.push((key.trim().to_owned(), value.trim().to_owned()));
-        }
-        Ok(())
-    }
-
     fn take_state(&mut self, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
-        let epoch = self.epoch(words.next().unwrap_or_default())?;
+        let epoch = self.meta.epoch(words.next().unwrap_or_default())?;
         let numbers: Vec<f64> = words
             .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or(format!("`{word}` is not a number")))
             .collect::<Result<_, _>>()?;
@@ -203,37 +231,34 @@ impl Parser {
         if self.states.last().is_some_and(|last| last.epoch >= epoch) {
             return Err("the epoch is not later than that of the state before".to_owned());
         }
-        self.states.push(State { epoch, position_m: DVec3::new(x, y, z), velocity_m_s: DVec3::new(vx, vy, vz) });
-        Ok(())
-    }
-
-    fn optional(&self, key: &str) -> Option<&str> {
-        self.meta.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
-    }
-
-    fn required(&self, key: &str) -> Result<&str, String> {
-        self.optional(key).ok_or_else(|| format!("the segment's metadata lack {key}"))
-    }
-
-    fn time_scale(&self) -> Result<TimeScale, String> {
-        match self.required("TIME_SYSTEM")? {
-            "UTC" => Ok(TimeScale::UTC),
-            "TDB" => Ok(TimeScale::TDB),
-            "TT" => Ok(TimeScale::TT),
-            "TAI" => Ok(TimeScale::TAI),
-            "GPS" => Ok(TimeScale::GPST),
-            other => Err(format!("TIME_SYSTEM = {other}; allowed are UTC, TDB, TT, TAI and GPS")),
+        let state = State { epoch, position_m: DVec3::new(x, y, z), velocity_m_s: DVec3::new(vx, vy, vz) };
+        let speed_m_s = state.velocity_m_s.length();
+        if speed_m_s > FASTEST_M_S {
+            return Err(format!(
+                "a velocity of {} km/s looks like m/s; a message has km and km/s",
+                speed_m_s / M_PER_KM
+            ));
+        }
+        let ignores_velocities = speed_m_s == 0.0 && !self.uses_velocities()?;
+        match self.states.last().filter(|before| !ignores_velocities && !before.agrees_with(&state)) {
+            Some(_) => Err("the positions of this state and the one before do not agree with their velocities".into()),
+            None => {
+                self.states.push(state);
+                Ok(())
+            }
         }
     }
 
-    fn epoch(&self, text: &str) -> Result<Epoch, String> {
-        let scale = self.time_scale.ok_or("a state stands before META_STOP")?;
-        let (date_time, scale) = text.strip_suffix('Z').map_or((text, scale), |utc| (utc, TimeScale::UTC));
-        parse_in_scale(date_time, scale).map_err(|problem| format!("epoch `{text}`: {problem}"))
+    fn method(&self) -> &str {
+        self.meta.optional("INTERPOLATION").unwrap_or("HERMITE")
     }
 
-    fn optional_epoch(&self, key: &str) -> Result<Option<Epoch>, String> {
-        self.optional(key).map(|text| self.epoch(text)).transpose()
+    fn uses_velocities(&self) -> Result<bool, String> {
+        match self.method() {
+            "HERMITE" => Ok(true),
+            "LAGRANGE" | "LINEAR" => Ok(false),
+            other => Err(format!("INTERPOLATION = {other}; allowed are HERMITE, LAGRANGE and LINEAR")),
+        }
     }
 
     fn end_segment(&mut self) -> Result<(), String> {
@@ -248,15 +273,9 @@ impl Parser {
             return Err(format!("a segment needs at least {NEEDED} states, got {}", self.states.len()));
         }
         let (first, last) = (self.states[0].epoch, self.states[self.states.len() - 1].epoch);
-        let useable_from = self.optional_epoch("USEABLE_START_TIME")?.unwrap_or(first).max(first);
-        let useable_until = self.optional_epoch("USEABLE_STOP_TIME")?.unwrap_or(last).min(last);
-        let method = self.optional("INTERPOLATION").unwrap_or("HERMITE").to_uppercase();
-        let uses_velocities = match method.as_str() {
-            "HERMITE" => true,
-            "LAGRANGE" | "LINEAR" => false,
-            other => return Err(format!("INTERPOLATION = {other}; allowed are HERMITE, LAGRANGE and LINEAR")),
-        };
-        let degree = match (method.as_str(), self.optional("INTERPOLATION_DEGREE")) {
+        let [useable_from, useable_until] = self.meta.useable(first, last)?;
+        let uses_velocities = self.uses_velocities()?;
+        let degree = match (self.method(), self.meta.optional("INTERPOLATION_DEGREE")) {
             ("LINEAR", _) => 1,
             (_, None) => DEFAULT_DEGREE,
             (_, Some(text)) => text
@@ -265,7 +284,9 @@ impl Parser {
                 .filter(|degree| (1..=DEGREE_AT_MOST).contains(degree))
                 .ok_or(format!("INTERPOLATION_DEGREE = {text} is outside [1, {DEGREE_AT_MOST}]"))?,
         };
-        let (center, frame) = (self.required("CENTER_NAME")?.to_owned(), self.required("REF_FRAME")?.to_uppercase());
+        let (center, frame) =
+            (self.meta.required("CENTER_NAME")?.to_owned(), self.meta.required("REF_FRAME")?.to_owned());
+        check_frame("REF_FRAME", &frame)?;
         let states = std::mem::take(&mut self.states);
         self.meta.clear();
         self.segments.push(Segment { center, frame, uses_velocities, degree, useable_from, useable_until, states });
@@ -273,7 +294,37 @@ impl Parser {
     }
 }
 
+impl State {
+    /// Whether the chord to the next state is what their velocities say, as far as these can tell.
+    fn agrees_with(&self, next: &State) -> bool {
+        let step_s = (next.epoch - self.epoch).to_seconds();
+        let (chord_m_s, mean_m_s) =
+            ((next.position_m - self.position_m) / step_s, 0.5 * (self.velocity_m_s + next.velocity_m_s));
+        let [a, b] = [self.velocity_m_s, next.velocity_m_s];
+        let (slower, faster) = (a.length().min(b.length()), a.length().max(b.length()));
+        let turns_little = a.dot(b) >= SMALL_TURN * a.length() * b.length() && faster <= 2.0 * slower;
+        let tolerance_m_s = AGREEMENT * chord_m_s.length().max(mean_m_s.length()) + 1.0 + ROUNDING_M / step_s;
+        !turns_little || chord_m_s.distance(mean_m_s) <= tolerance_m_s
+    }
+}
+
 impl Segment {
+    /// Refuses states that look like metres, from a body of some radius.
+    fn check_unit(&self, radius_m: f64, velocity_m_s: DVec3) -> Result<(), String> {
+        let all_within = |radii: &std::ops::Range<f64>| {
+            let ends = self.states.first().into_iter().chain(self.states.last());
+            ends.clone().all(|state| radii.contains(&(state.position_m.length() / radius_m)))
+        };
+        let is_fast = velocity_m_s.length() > HIGH_SPEED_M_S;
+        if !all_within(&LOW_RADII) && !(is_fast && all_within(&HIGH_RADII)) {
+            return Ok(());
+        }
+        let distance_km = self.states.first().map_or(0.0, |state| state.position_m.length() / M_PER_KM);
+        Err(format!(
+            "the first state, {distance_km:.0} km from the centre, looks like metres; a message has km and km/s"
+        ))
+    }
+
     /// Newton's polynomial through the states around `epoch`, each taken twice where velocities count, and its
     /// derivative.
     fn interpolate(&self, epoch: Epoch) -> (DVec3, DVec3) {
@@ -310,85 +361,4 @@ impl Segment {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fmt::Write;
-
-    use super::*;
-
-    const MU_KM3_S2: f64 = 4_902.800_118_457_55;
-    const RADIUS_KM: f64 = 1837.4;
-
-    /// A circular orbit in the plane of x and z.
-    fn circular_km(elapsed_s: f64) -> [DVec3; 2] {
-        let rate_rad_s = (MU_KM3_S2 / RADIUS_KM.powi(3)).sqrt();
-        let (sin, cos) = (rate_rad_s * elapsed_s).sin_cos();
-        [DVec3::new(cos, 0.0, sin) * RADIUS_KM, DVec3::new(-sin, 0.0, cos) * RADIUS_KM * rate_rad_s]
-    }
-
-    fn message(extra_meta: &str) -> String {
-        let mut text = format!(
-            "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = X\n\nMETA_START\n\
-             OBJECT_NAME = TEST\nOBJECT_ID = 2026-001A\nCENTER_NAME = MOON\nREF_FRAME = ICRF\nTIME_SYSTEM = TDB\n\
-             START_TIME = 2026-01-01T00:00:00\nSTOP_TIME = 2026-01-01T01:00:00\n{extra_meta}META_STOP\nCOMMENT states\n"
-        );
-        for minute in (0..=60).step_by(2) {
-            let [r, v] = circular_km(f64::from(minute) * 60.0);
-            let (hour, minute) = (minute / 60, minute % 60);
-            writeln!(text, "2026-001T{hour:02}:{minute:02}:00 {} {} {} {} {} {}", r.x, r.y, r.z, v.x, v.y, v.z)
-                .unwrap();
-        }
-        text + "COVARIANCE_START\nEPOCH = 2026-01-01T00:00:00\n1.0\n2.0 3.0\nCOVARIANCE_STOP\n"
-    }
-
-    fn parse(text: &str) -> Result<Oem, TrajectoryError> {
-        Oem::parse(Path::new("orbit.oem"), text)
-    }
-
-    /// Largest errors in m and m/s between the states.
-    fn errors(text: &str) -> (f64, f64) {
-        let oem = parse(text).unwrap();
-        let start = crate::ephemeris::parse_epoch("2026-01-01T00:00:00 TDB").unwrap();
-        (0..=360).map(|i| f64::from(i) * 10.0).fold((0.0, 0.0), |(worst_m, worst_m_s), elapsed_s| {
-            let (position_m, velocity_m_s) = oem.segments[0].interpolate(start + elapsed_s * Unit::Second);
-            let [r, v] = circular_km(elapsed_s).map(|km| km * M_PER_KM);
-            (f64::max(worst_m, position_m.distance(r)), f64::max(worst_m_s, velocity_m_s.distance(v)))
-        })
-    }
-
-    /// Degree 7 errs by R (ω h)⁸ (9/16 · 1/4)²/8! = 1e-5 m between states h apart, degree 9 by about as little.
-    #[test]
-    fn states_two_minutes_apart_give_a_low_orbit_to_millimetres() {
-        let (hermite_m, hermite_m_s) = errors(&message(""));
-        assert!(hermite_m < 5e-3 && hermite_m_s < 1e-3, "{hermite_m} m {hermite_m_s} m/s");
-        let (lagrange_m, _) = errors(&message("INTERPOLATION = LAGRANGE\nINTERPOLATION_DEGREE = 9\n"));
-        assert!(lagrange_m < 1.0, "{lagrange_m} m");
-        let (linear_m, _) = errors(&message("INTERPOLATION = LINEAR\nINTERPOLATION_DEGREE = 1\n"));
-        // The sagitta of the chord: R (ω h)²/8.
-        let sagitta_m = MU_KM3_S2 / RADIUS_KM.powi(2) * 120.0_f64.powi(2) / 8.0 * M_PER_KM;
-        assert!((linear_m / sagitta_m - 1.0).abs() < 0.01, "{linear_m} m {sagitta_m} m");
-    }
-
-    #[test]
-    fn useable_times_narrow_the_span() {
-        let oem =
-            parse(&message("USEABLE_START_TIME = 2026-01-01T00:10:00\nUSEABLE_STOP_TIME = 2026-01-01T00:50:00\n"));
-        let (from, until) = oem.unwrap().span();
-        // Epochs are kept in TAI, which runs with TDB to 4e-10.
-        assert!(((until - from).to_seconds() - 2400.0).abs() < 1e-5);
-    }
-
-    #[test]
-    fn faults_are_told_with_their_line() {
-        let fault = |from: &str, to: &str| parse(&message("").replacen(from, to, 1)).unwrap_err().to_string();
-        assert!(fault("TIME_SYSTEM = TDB", "TIME_SYSTEM = MET").contains("line 13: TIME_SYSTEM = MET"));
-        assert!(fault("TIME_SYSTEM = TDB\n", "").contains("lack TIME_SYSTEM"));
-        assert!(fault("CENTER_NAME = MOON\n", "").contains("lack CENTER_NAME"));
-        assert!(fault("2026-001T00:02:00", "2026-001T00:62:00").contains("line 16: epoch `2026-001T00:62:00`"));
-        assert!(fault("2026-001T00:04:00", "2026-001T00:02:00").contains("line 17: the epoch is not later"));
-        assert!(fault("1837.4 0 0", "1837.4 0 x").contains("line 15: `x` is not a number"));
-        assert!(fault("1837.4 0 0", "1837.4 0").contains("line 15: a state has 6 or 9 numbers"));
-        assert!(fault("REF_FRAME = ICRF", "REF_FRAME ICRF").contains("line 9: `REF_FRAME ICRF` is not KEYWORD"));
-        assert!(fault("COVARIANCE_STOP\n", "").contains("COVARIANCE_START without COVARIANCE_STOP"));
-        assert!(parse("CCSDS_OEM_VERS = 2.0\n").unwrap_err().to_string().contains("no META_START"));
-    }
-}
+mod tests;
