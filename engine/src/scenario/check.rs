@@ -51,7 +51,7 @@ impl Check<'_> {
     pub fn raster(&mut self, key: &str, name: &str) -> PathBuf {
         let find = |name: &str| match self.places.find(name) {
             Found::File(path) => Some(path),
-            Found::Directory(_) | Found::Nowhere(_) => None,
+            _ => None,
         };
         match (self.places.find(name), Within::find(name, &find)) {
             (Found::Nowhere(_), Some(within)) => within.name,
