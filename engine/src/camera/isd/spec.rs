@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use crate::geometry::contradicted_step;
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
