@@ -113,7 +113,10 @@ impl Curve {
             })?,
         };
         let point = |row: &Row| {
-            let numbers: Option<Vec<f64>> = row.fields.iter().map(|field| field.parse().ok()).collect();
+            // Lines may part their numbers otherwise than the first one does.
+            let parts = row.fields.iter().flat_map(|field| field.split([',', ';', ' ', '\t']));
+            let parts = parts.filter(|part| !part.is_empty());
+            let numbers: Option<Vec<f64>> = parts.map(|part| part.parse().ok()).collect();
             match numbers.as_deref() {
                 Some(&[first, second]) if wavelength == 0 => Ok([first * unit_nm, second]),
                 Some(&[first, second]) => Ok([second * unit_nm, first]),
@@ -191,7 +194,12 @@ mod tests {
     fn text_has_two_numbers_a_line() {
         let text = "wavelength nm, response\n# a filter\n400, 0.0\n500;1\n\n600\t0.5\n";
         assert_eq!(Curve::parse(text).unwrap(), curve(&[[400.0, 0.0], [500.0, 1.0], [600.0, 0.5]]));
+        let swapped = "\u{feff}response;wavelength [um]\r0;0.4\r1;0.5\r0.5;0.6";
+        assert_eq!(Curve::parse(swapped).unwrap(), Curve::parse(text).unwrap());
         for (text, message) in [
+            ("40O,1\n500,1\n600,1\n", "line 1 is not two numbers"),
+            ("400;1\n500;0,5\n", "line 2 is not two numbers"),
+            ("band,response\n500,1\n600,1\n", "line 1 has the names band, response; allowed are wavelength_nm"),
             ("400,1\n500,x\n", "line 2 is not two numbers"),
             ("400,1\n500,1,2\n", "line 2 is not two numbers"),
             ("400,1\n400,1\n", "point 2 has a wavelength that does not rise"),
