@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::globe::DrawnTiles;
+use super::models::ModelFacts;
+use super::ortho::ModelMap;
 use super::{Error, Progress, terrain_key as key};
 
 pub use super::names::file_name;
@@ -30,6 +32,10 @@ pub struct Ground {
     /// The terrain's centre; the sub-solar geometry of records refers to it.
     pub centre: Geodetic,
     pub inputs: Vec<Input>,
+    /// What a person can check the models by, in their order.
+    pub models: Vec<ModelFacts>,
+    /// Of the finest measured or made model; `None`: of a whole body, or nothing.
+    pub map: Option<ModelMap>,
     /// One line a level.
     pub resampling: Vec<String>,
     /// Where the terrain is a globe, of which the surface shows a part.
@@ -46,7 +52,15 @@ pub fn surface(
     let Some(terrain) = terrain else {
         let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces: Vec::new() }));
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
-        return Ok(Ground { surface, centre, inputs: Vec::new(), resampling: Vec::new(), globe: None });
+        return Ok(Ground {
+            surface,
+            centre,
+            inputs: Vec::new(),
+            models: Vec::new(),
+            map: None,
+            resampling: Vec::new(),
+            globe: None,
+        });
     };
     if let [scenario::Dem::Globe(written)] = &terrain.dems[..] {
         return globe(written, terrain.centre, body, progress);
@@ -59,9 +73,10 @@ pub fn surface(
     for (written, path) in terrain.dems.iter().zip(&paths) {
         dems.push(open(written, path, body, Some(centre), progress)?);
     }
-    let mut inputs = Vec::new();
+    let (mut inputs, mut models) = (Vec::new(), Vec::new());
     for dem in &dems {
         let name = file_name(&dem.path);
+        models.push(ModelFacts::of(body, name.clone(), dem)?);
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
     progress.begin("putting terrain onto its map", dems.len(), "elevation models");
@@ -69,7 +84,7 @@ pub fn surface(
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
     let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces }));
-    Ok(Ground { surface, centre, inputs, resampling, globe: None })
+    Ok(Ground { surface, centre, inputs, models, map: model_map(&terrain.dems, &paths)?, resampling, globe: None })
 }
 
 /// A globe at its coarsest: what the cameras see of it is known once they have their places.
@@ -82,15 +97,27 @@ fn globe(
     progress.begin(&format!("reading {}", file_name(&written.path)), 1, "file");
     let shown = DrawnTiles::open(body, written, written.values)?;
     let name = file_name(&written.path);
-    let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
+    let inputs = vec![Input { role: "dem".into(), name: name.clone(), sha256: shown.dem_sha256.clone() }];
+    let (georeference, size) = Dem::lies(&written.path)?;
+    let heights_m = Some([shown.dem.lowest_m, shown.dem.highest_m]);
+    let models = vec![ModelFacts { heights_m, ..ModelFacts::unread(body, name, &georeference, size)? }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path), Ok)?;
     Ok(Ground {
         surface: Arc::new(shown.surface()?),
         centre,
         inputs,
+        models,
+        map: None,
         resampling: Vec::new(),
         globe: Some(Box::new(shown)),
     })
+}
+
+/// The map of the finest model that is no mere detail of another.
+fn model_map(dems: &[scenario::Dem], paths: &[PathBuf]) -> Result<Option<ModelMap>, Error> {
+    let on_map = |dem: &scenario::Dem| matches!(dem, scenario::Dem::File { .. } | scenario::Dem::Synthetic { .. });
+    let finest = dems.iter().position(on_map).map(|index| Dem::lies(&paths[index])).transpose()?;
+    Ok(finest.map(|(georeference, [columns, _])| ModelMap { georeference, columns }))
 }
 
 fn faces(

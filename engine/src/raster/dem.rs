@@ -145,6 +145,13 @@ impl Dem {
         Ok(Geodetic { height_m: 0.0, ..georeference(path, &dataset)?.projector()?.geodetics(&[pixel])[0] })
     }
 
+    /// How a file lies on its body, and its columns and rows. Its heights are not read.
+    pub fn lies(path: &Path) -> Result<(Georeference, [usize; 2]), Error> {
+        keep_gdal_quiet();
+        let dataset = open_dataset(path)?;
+        Ok((georeference(path, &dataset)?, dataset.raster_size().into()))
+    }
+
     /// Distance of a file's pixels, along a meridian where they are angles.
     pub fn posting_m(path: &Path) -> Result<f64, Error> {
         keep_gdal_quiet();

@@ -15,6 +15,8 @@ pub type FileHint<'a> = &'a dyn Fn(&str) -> Option<String>;
 pub struct Check<'a> {
     pub tree: Option<&'a Node>,
     pub problems: Vec<Problem>,
+    /// What the user should know, though it works.
+    pub notes: Vec<String>,
     pub places: &'a SearchPath,
     pub about: FileHint<'a>,
 }
@@ -47,7 +49,7 @@ impl Check<'_> {
     pub fn folder(&mut self, key: &str, name: &str) -> PathBuf {
         match self.places.find(name) {
             Found::Directory(path) => path,
-            Found::File(_) => {
+            Found::File(_) | Found::Excerpt(_) => {
                 self.report(key, Fault::Needs("must be a folder".into()));
                 PathBuf::new()
             }
@@ -67,6 +69,10 @@ impl Check<'_> {
         let got = name.to_string();
         match found {
             Found::File(path) => return path,
+            Found::Excerpt(path) => {
+                self.notes.push(format!("{key}: {name} is not there, its excerpt {} is used", path.display()));
+                return path;
+            }
             Found::Directory(_) => self.report(key, Fault::IsADirectory { got }),
             Found::Nowhere(looked_in) => {
                 let file_name = Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
