@@ -46,6 +46,20 @@ enum Command {
     Terrain(cli::terrain::Args),
 }
 
+impl Command {
+    /// What must be there before work begins.
+    fn prepare(&self) -> Result<(), String> {
+        let is_light = matches!(
+            self,
+            Self::Cache(_) | Self::Inspect(_) | Self::Kernels(_) | Self::Scenarios(_) | Self::Schema(_) | Self::Sun(_)
+        );
+        if !is_light {
+            cli::limits::check_memory()?;
+        }
+        cli::limits::start_threads()
+    }
+}
+
 fn main() -> ExitCode {
     // Keeps Mesa's device-select layer from printing on machines without a display.
     // SAFETY: no other thread runs yet.
@@ -60,6 +74,10 @@ fn main() -> ExitCode {
         }
         Err(error) => error.exit(),
     };
+    if let Err(error) = command.prepare() {
+        eprintln!("error: {error}");
+        return ExitCode::FAILURE;
+    }
     cli::interrupt::listen();
     let outcome = match command {
         Command::Bench(args) => cli::bench::run(args),

@@ -26,10 +26,11 @@ const LAYERS: [&[&str]; 14] = [
 ];
 
 /// A crate, and the beginnings of the paths that may name it; `*` stands for anything within a file's name.
-const CRATES: [(&str, &[&str]); 6] = [
+const CRATES: [(&str, &[&str]); 7] = [
     ("anise", &["ephemeris/"]),
     ("sofars", &["ephemeris/"]),
     ("gdal", &["raster/"]),
+    ("gdal_sys", &["raster/write.rs"]),
     ("wgpu", &["gpu", "render/passes", "shadow/", "horizon/*gpu"]),
     ("pollster", &["gpu"]),
     ("ron", &["scenario/", "dataset/", "ephemeris/manifest.rs"]),

@@ -95,6 +95,11 @@ impl Gpu {
         format!("{name} ({device_type:?}, {backend:?}, {driver_info})")
     }
 
+    /// Whether the adapter is a program on the processor.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// A read-only storage buffer filled with `values`. An empty slice makes a buffer of zeros.
     pub fn storage<T: Pod>(&self, label: &str, values: &[T]) -> wgpu::Buffer {
         self.filled(label, bytemuck::cast_slice(values), wgpu::BufferUsages::STORAGE)

@@ -41,6 +41,7 @@ impl Stage {
         let seconds = began.elapsed().as_secs();
         let count = match (*done, *total) {
             (_, 0) => String::new(),
+            (0, 1) => format!(": 1 {}", unit.trim_end_matches('s')),
             (0, total) => format!(": {total} {unit}"),
             (done, total) => format!(": {done} of {total} {unit}"),
         };
@@ -167,6 +168,9 @@ mod tests {
             Stage { name: "rendering".into(), unit: "exposures".into(), done, total: 200, began, told }.line()
         };
         assert_eq!(stage(0, None), "rendering: 200 exposures");
+        let (name, unit) = ("rendering".into(), "exposures".into());
+        let one = Stage { name, unit, done: 0, total: 1, began, told: None };
+        assert_eq!(one.line(), "rendering: 1 exposure");
         assert_eq!(stage(50, Some(began)), "rendering: 50 of 200 exposures after 100 s, 5 min left");
         assert_eq!(stage(200, Some(began)), "rendering: 200 of 200 exposures after 100 s");
     }

@@ -10,9 +10,9 @@ use perilune_bench::{dataset, frame, horizons, radiometry, shadows, sources, sta
 use perilune_engine::report::Report;
 use perilune_engine::shadow::registry;
 
-use super::Outcome;
 use super::bars::Bars;
 use super::common::{CacheArgs, Files};
+use super::{Outcome, ranges};
 
 /// Measure how fast and how right: horizons, images, shadows, light.
 #[derive(Debug, clap::Args)]
@@ -50,7 +50,7 @@ enum Bench {
         #[arg(long, value_parser = exposures)]
         frames: Option<std::ops::Range<usize>>,
         /// Times that each exposure is rendered
-        #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        #[arg(long, default_value_t = 3, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         #[command(flatten)]
         output: Output,
@@ -70,16 +70,16 @@ enum Bench {
         #[command(flatten)]
         scene: Scene,
         /// Counted from 0
-        #[arg(long, default_value_t = 0)]
+        #[arg(long, default_value_t = 0, value_parser = ranges::number(0_usize..=10_000_000, ""), allow_hyphen_values = true)]
         exposure: usize,
         /// Pixels along the longer side of the image
-        #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=16384))]
+        #[arg(long, default_value_t = 512, value_parser = ranges::number(1_u32..=16_384, "pixels"), allow_hyphen_values = true)]
         size: u32,
         /// Elevations of a Sun that stands still instead, in degrees, written 0.5,1.5,3,6,15,35
-        #[arg(long, value_delimiter = ',', value_parser = elevation)]
+        #[arg(long, value_delimiter = ',', value_parser = elevation, allow_hyphen_values = true)]
         elevations: Option<Vec<f64>>,
         /// Frames that are timed at each elevation
-        #[arg(long, default_value_t = 3, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        #[arg(long, default_value_t = 3, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         /// 256 pixels, Sun at 1.5°, 6° and 15°
         #[arg(long, conflicts_with_all = ["size", "elevations"])]
@@ -96,7 +96,7 @@ enum Bench {
         #[arg(long)]
         quick: bool,
         /// Frames that are timed with each method
-        #[arg(long, default_value_t = 5, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
+        #[arg(long, default_value_t = 5, value_parser = ranges::number(1_usize..=10_000, ""), allow_hyphen_values = true)]
         repeat: usize,
         #[command(flatten)]
         output: Output,

@@ -16,7 +16,9 @@ const LISTED: usize = 20;
 /// Check a scenario without running it: list all that is wrong with it.
 ///
 /// Keys, types and ranges are named with line and column. Then kernels are loaded, elevation models opened, and the
-/// camera is placed at every epoch: above the ground, where the terrain is a file or was made by a run.
+/// camera is placed at every epoch: above the ground, where the terrain is a file or was made by a run. What it finds ends the
+/// list: where the models lie, what the camera sees of them, where the Sun stands, how bright it gets, who casts shadows, what a
+/// run takes.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: sim check lunar_descent.ron")]
 pub struct Args {
@@ -24,6 +26,9 @@ pub struct Args {
     scenario: PathBuf,
     #[command(flatten)]
     files: Files,
+    /// Count warnings as errors
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -54,7 +59,7 @@ pub fn run(args: Args) -> Outcome {
         let report = json!({
             "path": scenario.path, "exposures": scenario.images(),
             "over_terrain": checked.over_terrain, "problems": messages, "warnings": checked.warnings,
-            "notes": scenario.notes,
+            "notes": scenario.notes, "facts": checked.facts,
         });
         print_line(format_args!("{report:#}"))?;
     }
@@ -67,7 +72,20 @@ pub fn run(args: Args) -> Outcome {
     }
     if !args.json {
         let unseen = if checked.over_terrain { "" } else { " (terrain not made yet: heights above it unchecked)" };
-        print_line(format_args!("{path}: {} exposures, no problems{unseen}", scenario.images()))?;
+        let counted =
+            if scenario.images() == 1 { "1 exposure".into() } else { format!("{} exposures", scenario.images()) };
+        let warned = match checked.warnings.len() {
+            0 => String::new(),
+            1 => ", 1 warning".into(),
+            count => format!(", {count} warnings"),
+        };
+        print_line(format_args!("{path}: {counted}, no problems{warned}{unseen}"))?;
+        if let Some(facts) = &checked.facts {
+            print_line(format_args!("\n{}", facts.text().trim_end()))?;
+        }
+    }
+    if args.strict && !checked.warnings.is_empty() {
+        return Err(format!("{path}: {} warnings, none is allowed (--strict)", checked.warnings.len()).into());
     }
     Ok(())
 }

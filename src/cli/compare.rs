@@ -7,7 +7,7 @@ use perilune_engine::compare::{Freedom, GeometrySource, Law, Model, Request, com
 use super::bars::Bars;
 use super::common::Files;
 use super::run::Adapter;
-use super::{Outcome, print_line};
+use super::{Outcome, print_line, ranges};
 
 /// Hold a mission photograph against a render of the same view.
 ///
@@ -44,16 +44,16 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t)]
     fit: Fit,
     /// Dark level of Jung's protocol, a share of the photograph's largest number, as in 0.027 (7/255)
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = ranges::number(0.0..=0.999, ""), allow_hyphen_values = true)]
     dark: f64,
     /// Compare at so many pixels along the longer side [default: as many as the elevation model resolves]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(32..=16384))]
+    #[arg(long, value_name = "PIXELS", value_parser = ranges::number(32_usize..=16_384, "pixels"), allow_hyphen_values = true)]
     size: Option<usize>,
     /// Which exposure of a scenario, counted from 0
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0_usize..=10_000_000, ""), allow_hyphen_values = true)]
     image: usize,
     /// Band of the photograph, counted from 1, where there are several
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = ranges::number(1_usize..=65_536, ""), allow_hyphen_values = true)]
     band: Option<usize>,
     /// Leave out the variants of the physics and of the Sun's place
     #[arg(long)]

@@ -22,6 +22,8 @@ pub mod illuminate;
 pub mod inspect;
 pub mod interrupt;
 pub mod kernels;
+pub mod limits;
+mod ranges;
 pub mod run;
 pub mod scenarios;
 pub mod schema;

@@ -140,5 +140,6 @@ fn print(report: &Report) -> Outcome {
     print_line(format_args!(
         "beside each other: samples {samples:.1} s, planes {planes:.1} s, encoding {encoding:.1} s, writing {writing:.1} s"
     ))?;
+    report.warnings.iter().try_for_each(|warning| print_line(format_args!("warning: {warning}")))?;
     Ok(())
 }

@@ -9,9 +9,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use perilune_engine::files;
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::raster;
+use perilune_engine::report::machine::available_memory_bytes;
 use perilune_engine::terrain::synthetic::{self, Parameters};
 
-use super::{Outcome, place, print_line};
+use super::{Outcome, place, print_line, ranges};
 
 /// Write a synthetic cratered terrain as a GeoTIFF, and its craters as a table beside it.
 ///
@@ -23,13 +24,13 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE.tif")]
     output: PathBuf,
     /// Pixels from west to east
-    #[arg(long, value_name = "N", default_value_t = 1024)]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8_usize..=32_768, "pixels"), allow_hyphen_values = true)]
     columns: usize,
     /// Pixels from north to south
-    #[arg(long, value_name = "N", default_value_t = 1024)]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = ranges::number(8_usize..=32_768, "pixels"), allow_hyphen_values = true)]
     rows: usize,
     /// Distance of pixels, in metres
-    #[arg(long, value_name = "M", default_value_t = 20.0)]
+    #[arg(long, value_name = "M", default_value_t = 20.0, value_parser = ranges::posting, allow_hyphen_values = true)]
     posting: f64,
     /// Seed of craters and relief
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -41,22 +42,22 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Projection::Gnomonic)]
     projection: Projection,
     /// Diameter of the largest crater, in metres [default: a quarter of the map, at most 12 km]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = ranges::metres, allow_hyphen_values = true)]
     largest: Option<f64>,
     /// Diameter of the smallest crater, in metres [default: 4 pixels]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = ranges::metres, allow_hyphen_values = true)]
     smallest: Option<f64>,
     /// Craters per area, in units of the equilibrium density
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = ranges::number(0.0..=100.0, ""), allow_hyphen_values = true)]
     density: f64,
     /// Exponent of the cumulative size distribution
-    #[arg(long, default_value_t = synthetic::EQUILIBRIUM_EXPONENT)]
+    #[arg(long, default_value_t = synthetic::EQUILIBRIUM_EXPONENT, value_parser = ranges::number(0.1..=10.0, ""), allow_hyphen_values = true)]
     exponent: f64,
     /// Height of the massif, in metres [default: a twentieth of the map, at most 1500 m]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = ranges::height, allow_hyphen_values = true)]
     relief: Option<f64>,
     /// RMS slope of the fractal on pixels of 20 m [default: 0.035]
-    #[arg(long)]
+    #[arg(long, value_parser = ranges::number(0.0..=10.0, ""), allow_hyphen_values = true)]
     roughness: Option<f64>,
     /// Print what was written as JSON
     #[arg(long)]
@@ -85,6 +86,7 @@ impl From<Projection> for synthetic::Projection {
 pub fn run(args: Args) -> Outcome {
     let body = Body::moon();
     let parameters = parameters(&args);
+    check_memory(&parameters)?;
     let bar = progress_bar();
     let terrain = synthetic::generate(&body, &parameters, &|done, all| {
         bar.set_length(all as u64);
@@ -112,6 +114,21 @@ pub fn run(args: Args) -> Outcome {
         print_line(format_args!("{}: {} craters", table.display(), terrain.craters.len()))?;
     }
     Ok(())
+}
+
+/// Heights in f32 and f64, the fractal, the file: in bytes a pixel.
+const PIXEL_BYTES: f64 = 24.0;
+
+fn check_memory(parameters: &Parameters) -> Result<(), String> {
+    let needed_gb = PIXEL_BYTES * parameters.columns as f64 * parameters.rows as f64 / 1e9;
+    let available_gb = available_memory_bytes().map(|bytes| bytes / 1e9);
+    match available_gb {
+        Some(available_gb) if needed_gb > available_gb => Err(format!(
+            "memory: {} × {} pixels take about {needed_gb:.1} GB, {available_gb:.1} GB are available; ask for fewer --columns or --rows",
+            parameters.columns, parameters.rows
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn parameters(args: &Args) -> Parameters {

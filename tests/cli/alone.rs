@@ -86,7 +86,7 @@ fn the_shipped_scenarios_are_those_of_the_repository() {
     let mut expected: Vec<_> = ron.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
     expected.sort();
     assert_eq!(names, expected);
-    assert!(told.contains("needs no data") && told.contains("needs dem/moon_gld100_16ppd_global.tif"), "{told}");
+    assert!(told.contains("needs no data") && told.contains("needs WAC_GLD100_E000N1800_016P.IMG"), "{told}");
 }
 
 #[test]

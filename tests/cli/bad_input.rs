@@ -102,7 +102,7 @@ const STRUCTURE: &[Case] = &[
         "number for a struct",
         "camera: (columns: 64, rows: 48, focal_length_mm: 50, pixel_pitch_um: 10)",
         "camera: 3",
-        "10:13: camera = 3 is not (…)",
+        "10:13: camera = 3 is not a group of keys, as in (key: …)",
     ),
     Case(
         "a method with keys without parentheses",

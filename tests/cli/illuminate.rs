@@ -42,15 +42,7 @@ fn a_map_and_a_series_are_written_and_bad_arguments_refused() {
     for file in ["html", "lit_share.png", "areas.csv", "places.csv", "json"] {
         assert!(out.join(format!("illumination.{file}")).is_file(), "{file}");
     }
-    // The map lies where the elevation model lies.
-    let map = gdal::Dataset::open(out.join("illumination.tif")).unwrap();
-    let (columns, rows) = map.raster_size();
-    let crs = map.spatial_ref().unwrap().to_wkt().unwrap();
-    let georeference = Georeference::new(&crs, map.geo_transform().unwrap(), columns).unwrap();
-    let middle = glam::DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0) / 2.0;
-    let at = georeference.projector().unwrap().geodetics(&[middle])[0];
-    assert!((at.latitude_rad.to_degrees() + 89.0).abs() < 1e-4, "{at:?}");
-    assert!((at.longitude_east_rad.to_degrees() - 30.0).abs() < 1e-2, "{at:?}");
+    lies_on_the_model(&out.join("illumination.tif"), &dem);
 
     for (more, word) in [
         (&["--at", "-80,30"][..], "outside the elevation models"),
@@ -70,4 +62,27 @@ fn a_map_and_a_series_are_written_and_bad_arguments_refused() {
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success() && message.contains(word), "{more:?}: {message}");
     }
+}
+
+/// The map lies where the elevation model lies, on its pixels.
+fn lies_on_the_model(map: &std::path::Path, dem: &std::path::Path) {
+    let map = gdal::Dataset::open(map).unwrap();
+    let (columns, rows) = map.raster_size();
+    let crs = map.spatial_ref().unwrap().to_wkt().unwrap();
+    let georeference = Georeference::new(&crs, map.geo_transform().unwrap(), columns).unwrap();
+    // On the model's own pixels: its reference system and its corners, north up.
+    let model = gdal::Dataset::open(dem).unwrap();
+    let [corner, of_model] = [&map, &model].map(|file| file.geo_transform().unwrap());
+    assert_eq!((corner[1], corner[2], corner[4], corner[5]), (of_model[1], 0.0, 0.0, of_model[5]));
+    for axis in [0, 3] {
+        let off = (corner[axis] - of_model[axis]) / 100.0;
+        assert!((off - off.round()).abs() < 1e-9, "{corner:?} {of_model:?}");
+    }
+    assert_eq!(Georeference::new(&model.projection(), of_model, 80).unwrap().wkt, georeference.wkt);
+    let units: Vec<String> = (1..=4).map(|band| map.rasterband(band).unwrap().unit()).collect();
+    assert_eq!(units, ["1", "1", "h", "1"]);
+    let middle = glam::DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0) / 2.0;
+    let at = georeference.projector().unwrap().geodetics(&[middle])[0];
+    assert!((at.latitude_rad.to_degrees() + 89.0).abs() < 1e-4, "{at:?}");
+    assert!((at.longitude_east_rad.to_degrees() - 30.0).abs() < 1e-2, "{at:?}");
 }

@@ -99,6 +99,7 @@ impl Reader<'_> {
     fn read(&self) -> Result<Isd, IsdError> {
         self.check_tables()?;
         self.check_rotations()?;
+        self.check_motion()?;
         let times = self.times()?;
         let centre = self.isd.center_ephemeris_time;
         // The boresight looks towards the body.
@@ -187,6 +188,27 @@ impl Reader<'_> {
         }
         match self.isd.num_lines_overlap.filter(|lines| *lines != 0.0) {
             Some(lines) => Err(self.value("num_lines_overlap", lines, "0")),
+            None => Ok(()),
+        }
+    }
+
+    /// Velocities are those of their positions, and nothing asks for another way between them.
+    fn check_motion(&self) -> Result<(), IsdError> {
+        for (key, table) in [
+            ("instrument_position.velocities", &self.isd.instrument_position),
+            ("sun_position.velocities", &self.isd.sun_position),
+        ] {
+            let [rows, velocities] = [table.positions.len(), table.velocities.len()];
+            if velocities > 0 && velocities != rows {
+                return Err(self.value(key, format!("{velocities} rows for {rows} positions"), "as many, or none"));
+            }
+            if let Some(row) = table.contradicted_row() {
+                let got = format!("{:?} in row {row}", table.velocities[row]);
+                return Err(self.value(key, got, "what the positions change by in a second, in their unit"));
+            }
+        }
+        match self.isd.interpolation_method.as_deref().filter(|method| *method != "lagrange") {
+            Some(other) => Err(self.value("interpolation_method", other, "lagrange")),
             None => Ok(()),
         }
     }
@@ -356,3 +378,6 @@ impl Reader<'_> {
         self.isd.body_rotation.at(time) * self.isd.instrument_pointing.at(time).transpose()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -208,6 +208,13 @@ impl Card<'_> {
         if let Some(share) = quality().filter_map(|quality| quality.share_interpolated_dem).reduce(f64::max) {
             let _ = writeln!(text, "- Up to {:.2} % of an image's ground has no measured height.", 100.0 * share);
         }
+        let mut odd: BTreeMap<&str, (usize, &str)> = BTreeMap::new();
+        for warning in quality().flat_map(|quality| &quality.warnings) {
+            odd.entry(&warning.kind).or_insert((0, &warning.text)).0 += 1;
+        }
+        for (images, first) in odd.values() {
+            let _ = writeln!(text, "- {images} of {} images: {first}.", self.records.len());
+        }
         if self.records.len() < self.planned {
             let _ = writeln!(text, "- {} images are not rendered yet.", self.planned - self.records.len());
         }

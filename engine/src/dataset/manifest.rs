@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::record::{BodyRecord, FileRecord, SoftwareRecord, is_false};
+use super::record::{BodyRecord, FileRecord, SoftwareRecord, WarningRecord, is_false};
 use super::seal;
 
 /// Counts the changes of pixel values since the program's version: exposures of different models do not belong together.
 /// It grows with every entry under "Changes pixel values" in the changelog, and starts again with a version.
-const MODEL: u32 = 1;
+const MODEL: u32 = 2;
 
 /// What a run is made from; equal runs make equal bytes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -112,6 +112,9 @@ pub struct ManifestEntry {
     /// `train`, `validation` or `test`; absent: the dataset is not split.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split: Option<String>,
+    /// What is odd about the image; absent: nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningRecord>,
     pub files: Vec<FileRecord>,
 }
 

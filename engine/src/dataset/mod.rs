@@ -69,6 +69,6 @@ pub use preview::White;
 pub use record::{
     BodyRecord, CameraEffects, CameraRecord, DetectorRecord, EpochRecord, ExposureMetadata, FileRecord, InputRecords,
     PlaneRecord, PoseRecord, PreviewRecord, QualityRecord, RadiometryRecord, Record, RowPose, SensorRecord,
-    SoftwareRecord, SplitRecord, SunRecord, SweepRecord,
+    SoftwareRecord, SplitRecord, SunRecord, SweepRecord, WarningRecord,
 };
 pub use writer::{Exposure, Orthoimage, Settings, State, Summary, Writer};

@@ -310,6 +310,20 @@ pub struct QualityRecord {
     pub share_uncertain: Option<f64>,
     /// Share of ground pixels without DEM heights.
     pub share_interpolated_dem: Option<f64>,
+    /// Share of the detector's pixels that hold no more light; absent: there is no detector.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_saturated: Option<f64>,
+    /// What is odd about the image, with what can be done; absent: nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<WarningRecord>,
+}
+
+/// What is odd about an image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WarningRecord {
+    /// `no_ground`, `no_terrain`, `no_albedo`, `sun_down`, `saturated`, `black`, `no_value`.
+    pub kind: String,
+    pub text: String,
 }
 
 /// One channel.

@@ -23,6 +23,9 @@ pub struct KnownFile {
     /// Missing where the file was not at hand.
     #[serde(default)]
     pub sha256: Option<String>,
+    /// Names of parts or reductions of it that serve in its place.
+    #[serde(default)]
+    pub excerpts: Vec<String>,
     /// Epochs for kernels, region for terrain.
     pub coverage: String,
 }

@@ -116,6 +116,25 @@ fn choice(work: &Workload, allowed: f64) -> Choice {
     Choice { method, why: Some(why) }
 }
 
+/// What a method takes, in sweeps of one azimuth over all nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Before the first image.
+    pub before: f64,
+    pub images: f64,
+}
+
+/// What a method would take for a scenario; `None`: it does not say.
+pub fn effort(
+    scenario: &Scenario,
+    surface: &Surface,
+    exposures: &[Exposure],
+    method: &dyn MethodOptions,
+) -> Option<Effort> {
+    let cost = method.cost(&workload(scenario, surface, exposures))?;
+    Some(Effort { before: cost.azimuths as f64, images: cost.images })
+}
+
 fn total(cost: &Cost) -> f64 {
     cost.azimuths as f64 + cost.images
 }

@@ -96,7 +96,7 @@ fn bands(timing: &Timing, poses: &[Vec<Pose>]) -> Vec<(usize, (f64, Pose))> {
 /// ```text
 /// t = level · capacity / (electrons of light a second + dark current),   capacity = min(full well, (2^bits − 1 − offset)/K)
 /// ```
-fn chosen_s(auto: &AutoExposure, detector: &Detector, irradiance_w_m2: Vec<f32>) -> f64 {
+pub fn chosen_s(auto: &AutoExposure, detector: &Detector, irradiance_w_m2: Vec<f32>) -> f64 {
     let mut lit: Vec<f32> = irradiance_w_m2.into_iter().filter(|light| *light > 0.0).collect();
     if lit.is_empty() {
         return auto.longest_s;

@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::facts::{self, Facts, Known};
+use super::models::ModelFacts;
 use super::{
-    Error, Progress, applicability, auto, body_frame, globe, ground, kernels, motion, points, scene, sequence,
+    Error, Progress, applicability, auto, body_frame, globe, ground, kernels, motion, points, scene, sequence, stand_in,
 };
 use crate::ephemeris::{Almanac, BodyFrame};
-use crate::geometry::{Body, Geodetic};
+use crate::geometry::Geodetic;
 use crate::labels::{Origin, catalogue};
-use crate::scenario::{Albedo, CraterList, Dem, Scenario};
-use crate::terrain::{Surface, Terrain};
+use crate::scenario::{self, Albedo, CraterList, Dem, Scenario};
+use crate::terrain::{Face, Surface, Terrain};
 
 /// What a check has found.
 #[derive(Debug, Default)]
@@ -20,6 +22,8 @@ pub struct Checked {
     pub warnings: Vec<String>,
     /// Whether poses were held against the terrain: not where it is synthetic and not made yet, or cannot be read.
     pub over_terrain: bool,
+    /// Where nothing stands against the poses.
+    pub facts: Option<Facts>,
 }
 
 /// Loads kernels, opens files, computes all poses. Makes nothing.
@@ -45,8 +49,9 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
     }
     let ground = surface(scenario, cache, progress, problems);
     checked.over_terrain = ground.is_some();
-    checked.warnings.extend(ground.iter().flat_map(|ground| ground.findings.clone()));
-    checked.warnings.extend(applicability::warnings(scenario, ground.as_ref().map(|ground| &*ground.surface)));
+    let mut here = ground.unwrap_or_else(|| stand_in(scenario, cache, progress));
+    checked.warnings.extend(here.findings.clone());
+    checked.warnings.extend(applicability::warnings(scenario, checked.over_terrain.then_some(&*here.surface)));
     let loaded = Almanac::load_sources(&kernels(scenario))
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
@@ -54,8 +59,12 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
         Ok((frame, almanac)) => {
             // Views repeat what is wrong with the camera.
             let known: Vec<String> = problems.iter().map(ToString::to_string).collect();
-            let found = poses(scenario, &almanac, &frame, ground, progress);
+            let (found, facts) = poses(scenario, &almanac, &frame, &mut here, checked.over_terrain, progress);
             problems.extend(found.into_iter().filter(|problem| !known.contains(&problem.to_string())));
+            if let Some((facts, odd)) = facts {
+                checked.warnings.extend(odd);
+                checked.facts = Some(facts);
+            }
         }
         Err(error) => problems.push(error),
     }
@@ -92,42 +101,77 @@ fn surface(
     None
 }
 
-/// What stands against the exposures' poses; over the bare body where there is no ground to hold them against.
+/// Ground that stands for terrain which is not made yet, or cannot be read: measured models without what is invented below
+/// their posting, flat ones for synthetic models, else the bare body.
+fn stand_in(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> ground::Ground {
+    let body = &scenario.body;
+    let bare = |centre: Option<Geodetic>, faces: Vec<Face>, models: Vec<ModelFacts>| ground::Ground {
+        surface: Arc::new(Surface::new(Terrain { body: body.clone(), faces })),
+        centre: centre.unwrap_or(Geodetic::from_degrees(0.0, 0.0, 0.0)),
+        inputs: Vec::new(),
+        findings: Vec::new(),
+        models,
+        map: None,
+        resampling: Vec::new(),
+        globe: None,
+    };
+    let Some(terrain) = &scenario.terrain else { return bare(None, Vec::new(), Vec::new()) };
+    let measured = terrain.dems.iter().filter(|dem| matches!(dem, Dem::File { .. })).cloned().collect::<Vec<_>>();
+    let invented = terrain.dems.iter().filter(|dem| matches!(dem, Dem::Detail { .. })).count();
+    if invented > 0 && invented + measured.len() == terrain.dems.len() {
+        let without = scenario::Terrain { dems: measured, ..terrain.clone() };
+        if let Ok(ground) = ground::surface(Some(&without), body, cache, progress) {
+            return ground;
+        }
+    }
+    let models = terrain.dems.iter().filter_map(|dem| stand_in::model(body, dem)).collect();
+    match stand_in::face(body, terrain) {
+        Some((face, centre)) => bare(Some(centre), vec![face], models),
+        None => bare(terrain.centre, Vec::new(), models),
+    }
+}
+
+/// What stands against the exposures' poses, and the facts where nothing does.
 fn poses(
     scenario: &Scenario,
     almanac: &Almanac,
     frame: &BodyFrame,
-    ground: Option<ground::Ground>,
+    ground: &mut ground::Ground,
+    over_terrain: bool,
     progress: &dyn Progress,
-) -> Vec<Error> {
-    let over_terrain = ground.is_some();
+) -> (Vec<Error>, Option<(Facts, Vec<String>)>) {
+    let points = points(scenario);
     let mut looked = None;
-    let (surface, centre) = match ground {
-        Some(mut ground) => {
-            if ground.globe.is_some() {
-                looked = globe::exposures::exposures(&points(scenario), almanac, frame, &mut ground, progress).err();
-            }
-            (ground.surface, ground.centre)
-        }
-        None => bare(&frame.body, scenario),
-    };
-    let outcomes = match motion::outcomes(&points(scenario), almanac, frame, &surface, centre) {
+    if ground.globe.is_some() {
+        looked = globe::exposures::exposures(&points, almanac, frame, ground, progress).err();
+    }
+    let (surface, centre) = (&ground.surface, ground.centre);
+    let outcomes = match motion::outcomes(&points, almanac, frame, surface, centre) {
         Ok((outcomes, _)) => outcomes,
-        Err(error) => return vec![error],
+        Err(error) => return (vec![error], None),
     };
     let counts = |error: &Error| over_terrain || !matches!(error, Error::BelowGround { .. });
     let (exposures, failed): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(Result::is_ok);
     let exposures: Vec<_> = exposures.into_iter().flatten().collect();
     let lights = auto::lights(&exposures);
-    let refusal = scenario.shadows.method().and_then(|method| method.refusal(&surface, &lights)).map(Error::from);
+    let refusal = scenario.shadows.method().and_then(|method| method.refusal(surface, &lights)).map(Error::from);
     let moves = sequence::check(scenario, &exposures).err();
     // It fails over what fails already.
     let looked = looked.filter(|_| failed.is_empty());
-    failed.into_iter().filter_map(Result::err).filter(counts).chain(refusal).chain(moves).chain(looked).collect()
-}
-
-fn bare(body: &Body, scenario: &Scenario) -> (Arc<Surface>, Geodetic) {
-    let centre = scenario.terrain.as_ref().and_then(|terrain| terrain.centre);
-    let surface = Surface::new(Terrain { body: body.clone(), faces: Vec::new() });
-    (Arc::new(surface), centre.unwrap_or(Geodetic::from_degrees(0.0, 0.0, 0.0)))
+    let mut problems: Vec<Error> =
+        failed.into_iter().filter_map(Result::err).filter(counts).chain(refusal).chain(moves).chain(looked).collect();
+    if !problems.is_empty() || exposures.is_empty() {
+        return (problems, None);
+    }
+    let choice = auto::choose(scenario, surface, &exposures);
+    problems.extend(facts::check_memory(scenario, &surface.terrain, choice.method.as_ref()).err());
+    progress.begin("looking at exposures", exposures.len(), "exposures");
+    let known = Known { points: &points, exposures: &exposures, surface, models: &ground.models };
+    match facts::gather(scenario, &known) {
+        Ok(gathered) => (problems, Some(gathered)),
+        Err(error) => {
+            problems.push(error);
+            (problems, None)
+        }
+    }
 }

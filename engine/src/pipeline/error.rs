@@ -64,6 +64,11 @@ pub enum Error {
          and turns by {turned_deg:.5} deg"
     )]
     CameraMoves { exposure: usize, moved_m: f64, turned_deg: f64 },
+    #[error(
+        "memory: the run takes about {needed_gb:.1} GB, {available_gb:.1} GB are available; ask for fewer pixels, planes, rays a pixel \
+         or nodes"
+    )]
+    TooLittleMemory { needed_gb: f64, available_gb: f64 },
     #[error("{frames} names no exposure; the scenario has {count}, counted from 0")]
     NoSuchExposures { frames: String, count: usize },
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::globe::DrawnTiles;
+use super::models::ModelFacts;
+use super::ortho::ModelMap;
 use super::{Error, Progress, terrain_key as key};
 
 pub use super::albedo_map::{albedo, look_at_albedo};
@@ -33,6 +35,10 @@ pub struct Ground {
     pub inputs: Vec<Input>,
     /// What a user should know of the models' files, a line each.
     pub findings: Vec<String>,
+    /// What a person can check the models by, in their order.
+    pub models: Vec<ModelFacts>,
+    /// Of the finest measured or made model; `None`: of a whole body, or nothing.
+    pub map: Option<ModelMap>,
     /// One line a level.
     pub resampling: Vec<String>,
     /// Where the terrain is a globe, of which the surface shows a part.
@@ -49,8 +55,16 @@ pub fn surface(
     let Some(terrain) = terrain else {
         let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces: Vec::new() }));
         let centre = Geodetic::from_degrees(0.0, 0.0, 0.0);
-        let (inputs, findings, resampling) = (Vec::new(), Vec::new(), Vec::new());
-        return Ok(Ground { surface, centre, inputs, findings, resampling, globe: None });
+        return Ok(Ground {
+            surface,
+            centre,
+            inputs: Vec::new(),
+            findings: Vec::new(),
+            models: Vec::new(),
+            map: None,
+            resampling: Vec::new(),
+            globe: None,
+        });
     };
     if let [scenario::Dem::Globe(written)] = &terrain.dems[..] {
         return globe(written, terrain.centre, body, progress);
@@ -63,10 +77,11 @@ pub fn surface(
     for (written, path) in terrain.dems.iter().zip(&paths) {
         dems.push(open(written, path, body, Some(centre), progress)?);
     }
-    let (mut inputs, mut findings) = (Vec::new(), Vec::new());
+    let (mut inputs, mut findings, mut models) = (Vec::new(), Vec::new(), Vec::new());
     for dem in &dems {
         let name = file_name(&dem.path);
         findings.extend(dem.survey.findings.iter().map(|finding| format!("{name}: {finding}")));
+        models.push(ModelFacts::of(body, name.clone(), dem)?);
         inputs.push(Input { role: "dem".into(), name, sha256: raster::digest(&dem.path)? });
     }
     progress.begin("putting terrain onto its map", dems.len(), "elevation models");
@@ -74,7 +89,8 @@ pub fn surface(
     progress.at(dems.len(), dems.len());
     let resampling = errors.iter().map(ToString::to_string).collect();
     let surface = Arc::new(Surface::new(Terrain { body: body.clone(), faces }));
-    Ok(Ground { surface, centre, inputs, findings, resampling, globe: None })
+    let map = model_map(&terrain.dems, &paths)?;
+    Ok(Ground { surface, centre, inputs, findings, models, map, resampling, globe: None })
 }
 
 /// A globe at its coarsest: what the cameras see of it is known once they have their places.
@@ -88,16 +104,32 @@ fn globe(
     let shown = DrawnTiles::open(body, written, written.values)?;
     let name = file_name(&written.path);
     let findings = shown.dem.findings.iter().map(|finding| format!("{name}: {finding}")).collect();
-    let inputs = vec![Input { role: "dem".into(), name, sha256: shown.dem_sha256.clone() }];
+    let inputs = vec![Input { role: "dem".into(), name: name.clone(), sha256: shown.dem_sha256.clone() }];
+    let (georeference, size) = Dem::lies(&written.path, &written.reading)?;
+    let heights_m = Some([shown.dem.lowest_m, shown.dem.highest_m]);
+    let models = vec![ModelFacts { heights_m, ..ModelFacts::unread(body, name, &georeference, size)? }];
     let centre = centre.map_or_else(|| Dem::middle(&written.path, &written.reading), Ok)?;
     Ok(Ground {
         surface: Arc::new(shown.surface()?),
         centre,
         inputs,
         findings,
+        models,
+        map: None,
         resampling: Vec::new(),
         globe: Some(Box::new(shown)),
     })
+}
+
+/// The map of the finest model that is no mere detail of another.
+fn model_map(dems: &[scenario::Dem], paths: &[PathBuf]) -> Result<Option<ModelMap>, Error> {
+    let on_map = |dem: &scenario::Dem| matches!(dem, scenario::Dem::File { .. } | scenario::Dem::Synthetic { .. });
+    let finest = dems
+        .iter()
+        .position(on_map)
+        .map(|index| Dem::lies(&paths[index], &reading_of(&dems[index]).cloned().unwrap_or_default()))
+        .transpose()?;
+    Ok(finest.map(|(georeference, [columns, _])| ModelMap { georeference, columns }))
 }
 
 fn faces(

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use super::capture::{self, CapturedExposure};
 use super::sequence::Before;
+use super::watch::Watch;
 use super::{Error, Prepared, Progress, ortho, record, sequence};
 use crate::dataset::{self, Format, Writer};
 use crate::labels;
@@ -55,6 +56,7 @@ pub fn render(
     Instrument { imaging, mut session }: Instrument,
     writer: &mut Writer,
     todo: &[usize],
+    watch: &Watch,
     resume: bool,
     progress: &dyn Progress,
 ) -> Result<Spent, Error> {
@@ -67,7 +69,8 @@ pub fn render(
             let mut spent = Duration::ZERO;
             for sampled in receiver {
                 let start = Instant::now();
-                let exposure = exposure(prepared, &scene, run, sampled)?;
+                let mut exposure = exposure(prepared, &scene, run, &sampled)?;
+                watch.note(prepared, &sampled.captured, &mut exposure, progress)?;
                 spent += start.elapsed();
                 writer.submit(exposure)?;
             }
@@ -119,9 +122,10 @@ fn exposure(
     prepared: &Prepared,
     scene: &Scene,
     run: &dataset::Run,
-    sampled: Sampled,
+    sampled: &Sampled,
 ) -> Result<dataset::Exposure, Error> {
     let Sampled { index, captured, before } = sampled;
+    let index = *index;
     let Prepared { exposures, points, craters, ground, .. } = prepared;
     let view = &exposures[index].view;
     let point = &points[exposures[index].point];
@@ -134,9 +138,12 @@ fn exposure(
     if let Some(samples) = captured.light.samples() {
         image.planes.extend(sequence::planes(point, scene, exposures, index, samples, before.as_deref(), shadow));
     }
-    let facts = record::facts(prepared, scene, run, index, &image, &captured);
+    let facts = record::facts(prepared, scene, run, index, &image, captured);
     let on_map = point.outputs.formats.contains(&Format::GeoTiff);
-    let orthoimage = on_map.then(|| ortho::orthoimage(scene, ground.centre, view, &image)).transpose()?.flatten();
+    let orthoimage = on_map
+        .then(|| ortho::orthoimage(scene, ground.map.as_ref(), ground.centre, view, &image))
+        .transpose()?
+        .flatten();
     let wanted = point.landmarks.as_ref().map(|landmarks| &landmarks.wanted);
     let landmarks = wanted.map(|wanted| labels::landmarks(scene, view, shadow, craters, wanted));
     Ok(dataset::Exposure { index, image, facts, landmarks, orthoimage })

@@ -4,11 +4,12 @@
 //! cell --PROJ--> place of the body --surface--> ground point --camera--> pixel, where nothing stands before it
 //! ```
 //!
-//! The map is stereographic, conformal about the terrain's centre, north up; all images of a scene share it, so that they lie on
-//! each other. A cell is as large as the median pixel on the ground, rounded to two digits; the grid spans the ground that
-//! the image shows, and cells grow where it would get more than twice as long as the image. Radiometric planes are
-//! interpolated between pixels' centres, those of geometry taken from the nearest pixel. Cells that the camera does not see are
-//! NaN, as those whose pixel has no value.
+//! The map is that of the finest measured model, north up, on its pixels: a cell is a model's pixel halved or doubled until it is
+//! as large as the median pixel on the ground. Over a globe, whose own map is of no use at its poles, it is stereographic,
+//! conformal about the terrain's centre, and a cell is as large as the median pixel, rounded to two digits. All images of a scene
+//! share the map, so that they lie on each other. The grid spans the ground that the image shows, and cells grow where it would
+//! get more than twice as long as the image. Radiometric planes are interpolated between pixels' centres, those of geometry taken
+//! from the nearest pixel. Cells that the camera does not see are NaN, as those whose pixel has no value.
 //!
 //! # Assumptions
 //! A cell hidden by less than its own side counts as seen. Lengths on the map are `1 + ρ²/4R²` times those on the ground,
@@ -21,7 +22,7 @@ use super::Error;
 use crate::dataset::Orthoimage;
 use crate::geometry::{Body, BodyFixed, Geodetic, Position};
 use crate::grid::{Cell, Grid2, mix_known};
-use crate::raster::Georeference;
+use crate::raster::{Georeference, cells_around};
 use crate::render::{Image, Plane, Scene, View};
 use crate::terrain::Hit;
 
@@ -34,14 +35,24 @@ const REACH_RAD: f64 = 0.8;
 /// Rows that one thread does with one projector.
 const BAND_ROWS: usize = 64;
 
-/// `image` on the map about `centre`; `None` where it shows no ground.
-pub fn orthoimage(scene: &Scene, centre: Geodetic, view: &View, image: &Image) -> Result<Option<Orthoimage>, Error> {
-    let body = &scene.surface.terrain.body;
-    let crs = crs(body, map_centre(body, centre, view));
-    let Some(grid) = Grid::of(scene, view, &crs)? else { return Ok(None) };
-    let georeference = Georeference::new(&crs, grid.geotransform(), grid.columns)?;
+/// The map of a measured model, and its columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelMap {
+    pub georeference: Georeference,
+    pub columns: usize,
+}
+
+/// `image` on the map of `model`, or on one about `centre`; `None` where it shows no ground.
+pub fn orthoimage(
+    scene: &Scene,
+    model: Option<&ModelMap>,
+    centre: Geodetic,
+    view: &View,
+    image: &Image,
+) -> Result<Option<Orthoimage>, Error> {
+    let Some(grid) = Grid::of(scene, model, centre, view)? else { return Ok(None) };
     let bands = (0..grid.rows).step_by(BAND_ROWS).collect::<Vec<_>>().into_par_iter();
-    let pixels = bands.map(|row| seen(scene, view, &georeference, &grid, row..(row + BAND_ROWS).min(grid.rows)));
+    let pixels = bands.map(|row| seen(scene, view, &grid, row..(row + BAND_ROWS).min(grid.rows)));
     let pixels: Vec<Option<DVec2>> = pixels.collect::<Result<Vec<_>, Error>>()?.concat();
     let on_map = |plane: &Plane| {
         let size = [image.columns, image.rows];
@@ -53,8 +64,9 @@ pub fn orthoimage(scene: &Scene, centre: Geodetic, view: &View, image: &Image) -
         Plane { values: pixels.par_iter().map(sampled).collect(), ..*plane }
     };
     let planes = image.planes.iter().map(on_map).collect();
+    let Georeference { wkt, geotransform, .. } = grid.georeference;
     let image = Image { columns: grid.columns, rows: grid.rows, planes };
-    Ok(Some(Orthoimage { crs: georeference.wkt.clone(), geotransform: grid.geotransform(), image }))
+    Ok(Some(Orthoimage { crs: wkt, geotransform, image }))
 }
 
 fn crs(body: &Body, centre: Geodetic) -> String {
@@ -77,10 +89,9 @@ fn map_centre(body: &Body, centre: Geodetic, view: &View) -> Geodetic {
     Geodetic::from_degrees(degrees(below.latitude_rad), degrees(below.longitude_east_rad), 0.0)
 }
 
-/// Square cells, row 0 in the north.
+/// Cells on a map, row 0 in the north.
 struct Grid {
-    west_m: f64,
-    north_m: f64,
+    georeference: Georeference,
     cell_m: f64,
     columns: usize,
     rows: usize,
@@ -88,29 +99,37 @@ struct Grid {
 
 impl Grid {
     /// Over the ground that a view shows; `None` where it shows none.
-    fn of(scene: &Scene, view: &View, crs: &str) -> Result<Option<Self>, Error> {
+    fn of(scene: &Scene, model: Option<&ModelMap>, centre: Geodetic, view: &View) -> Result<Option<Self>, Error> {
+        let body = &scene.surface.terrain.body;
         let (hits, mut sides_m): (Vec<Hit>, Vec<f64>) = probes(scene, view).into_iter().unzip();
         if hits.is_empty() {
             return Ok(None);
         }
-        // Of this raster, pixel coordinates are those of the map.
-        let plain = Georeference::new(crs, [-0.5, 1.0, 0.0, -0.5, 0.0, 1.0], 1)?;
-        let places: Vec<Position<BodyFixed>> = hits.iter().map(|hit| hit.position).collect();
-        let places_m: Vec<DVec2> = plain.projector()?.pixels(&places).into_iter().filter(|at| at.is_finite()).collect();
-        let low = places_m.iter().copied().reduce(DVec2::min).unwrap_or_default();
-        let high = places_m.iter().copied().reduce(DVec2::max).unwrap_or_default();
         let middle = sides_m.len() / 2;
         let side_m = *sides_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let places: Vec<Position<BodyFixed>> = hits.iter().map(|hit| hit.position).collect();
         let most_cells = MOST_CELLS_PER_PIXEL * f64::from(view.optics.columns.max(view.optics.rows));
-        let cell_m = two_digits(side_m.max((high - low).max_element() / most_cells));
-        let (first, last) = ((low / cell_m).floor(), (high / cell_m).ceil());
-        let size = (last - first).max(DVec2::ONE);
-        let (west_m, north_m) = (first.x * cell_m, last.y * cell_m);
-        Ok(Some(Self { west_m, north_m, cell_m, columns: size.x as usize, rows: size.y as usize }))
-    }
-
-    fn geotransform(&self) -> [f64; 6] {
-        [self.west_m, self.cell_m, 0.0, self.north_m, 0.0, -self.cell_m]
+        let on = |whole: Georeference| -> Result<Option<(Self, f64)>, Error> {
+            let Some((first, [columns, rows])) = cells_around(whole.projector()?.pixels(&places)) else {
+                return Ok(None);
+            };
+            let cell_m = whole.pixel_size() * whole.metres_per_unit();
+            let grid = Self { georeference: whole.from_cell(first, columns)?, cell_m, columns, rows };
+            Ok(Some((grid, columns.max(rows) as f64 / most_cells)))
+        };
+        let with_cells = |cell_m: f64| -> Result<Georeference, Error> {
+            let Some(ModelMap { georeference, columns }) = model else {
+                let crs = crs(body, map_centre(body, centre, view));
+                let cell_m = two_digits(cell_m);
+                return Ok(Georeference::new(&crs, [0.0, cell_m, 0.0, 0.0, 0.0, -cell_m], 1)?);
+            };
+            let pixel_m = georeference.pixel_size() * georeference.metres_per_unit();
+            Ok(georeference.north_up(*columns, 2_f64.powf((cell_m / pixel_m).log2().ceil()))?)
+        };
+        match on(with_cells(side_m)?)? {
+            Some((_, excess)) if excess > 1.0 => Ok(on(with_cells(side_m * excess)?)?.map(|(grid, _)| grid)),
+            found => Ok(found.map(|(grid, _)| grid)),
+        }
     }
 }
 
@@ -130,17 +149,11 @@ fn probes(scene: &Scene, view: &View) -> Vec<(Hit, f64)> {
 }
 
 /// The pixels that see the cells of some rows.
-fn seen(
-    scene: &Scene,
-    view: &View,
-    georeference: &Georeference,
-    grid: &Grid,
-    rows: std::ops::Range<usize>,
-) -> Result<Vec<Option<DVec2>>, Error> {
+fn seen(scene: &Scene, view: &View, grid: &Grid, rows: std::ops::Range<usize>) -> Result<Vec<Option<DVec2>>, Error> {
     let (surface, body) = (&scene.surface, &scene.surface.terrain.body);
     let cells: Vec<DVec2> =
         rows.flat_map(|row| (0..grid.columns).map(move |column| DVec2::new(column as f64, row as f64))).collect();
-    let projector = georeference.projector()?;
+    let projector = grid.georeference.projector()?;
     let mut heights_m = vec![0.0; cells.len()];
     // Verticals of the map and of the surface part on a spheroid: the second round starts where the first has met the ground.
     for _ in 0..2 {

@@ -276,6 +276,7 @@ fn quality(scene: &Scene, image: &Image) -> QualityRecord {
         max_horizon_error_deg: worst_rad.map(f64::to_degrees),
         share_uncertain: share_above(image, Quantity::SunFractionSigma, UNCERTAIN),
         share_interpolated_dem: share_above(image, Quantity::DemGap, 0.5),
+        ..QualityRecord::default()
     }
 }
 

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::device::{self, AdapterChoice};
-use super::{Error, Frames, Prepared, Progress, auto, build_scene, images, output, prepare, record, scene};
+use super::watch::Watch;
+use super::{Error, Frames, Prepared, Progress, auto, build_scene, facts, images, output, prepare, record, scene};
 use crate::dataset::{self, Existing, Run, Writer};
 use crate::render::Renderer;
 use crate::scenario::Scenario;
@@ -40,6 +41,8 @@ pub struct Report {
     pub planned: usize,
     /// Rendered in this run; the others were there.
     pub rendered: usize,
+    /// A line for each kind of what is odd about the images that were rendered.
+    pub warnings: Vec<String>,
     /// Where the time went.
     pub seconds: Seconds,
     /// Of the device's passes, where it can tell.
@@ -92,6 +95,7 @@ pub fn run(scenario: &Scenario, options: &Options, progress: &dyn Progress) -> R
     let Prepared { ground, shadows, exposures, .. } = &prepared;
     let (terrain, method) = (&ground.surface.terrain, shadows.method.as_ref());
     let renderer = device::renderer(gpu.as_ref(), options.adapter, scenario, terrain, method, exposures, progress)?;
+    facts::check_memory(scenario, terrain, method)?;
     let seconds = Seconds { terrain: lap(start), ..Default::default() };
 
     let run = record::run(scenario, &prepared, &renderer.adapter())?;
@@ -119,6 +123,7 @@ impl Images<'_> {
         progress: &dyn Progress,
     ) -> Result<Report, Error> {
         let earlier = writer.earlier_run().filter(|_| self.todo.is_empty());
+        let mut warnings = Vec::new();
         let spent = match earlier.map(|run| (run.inputs.clone(), run.settings.clone())) {
             // Horizons that nothing is rendered with are not made.
             Some((inputs, settings)) => {
@@ -126,7 +131,11 @@ impl Images<'_> {
                 writer.describe(run)?;
                 images::Spent::default()
             }
-            None => self.render(prepared, &mut writer, &mut seconds, progress)?,
+            None => {
+                let (spent, odd) = self.render(prepared, &mut writer, &mut seconds, progress)?;
+                warnings = odd;
+                spent
+            }
         };
         let start = Instant::now();
         progress.begin("writing previews and lists", 1, "sequence");
@@ -138,6 +147,7 @@ impl Images<'_> {
             exposures: summary.exposures,
             planned: summary.planned,
             rendered: spent.exposures,
+            warnings,
             seconds,
             device_seconds: (spent.device > Duration::ZERO).then_some(spent.device.as_secs_f64()),
             stages: Stages {
@@ -155,7 +165,7 @@ impl Images<'_> {
         writer: &mut Writer,
         seconds: &mut Seconds,
         progress: &dyn Progress,
-    ) -> Result<images::Spent, Error> {
+    ) -> Result<(images::Spent, Vec<String>), Error> {
         let (scenario, todo) = (self.scenario, &self.todo);
         let start = Instant::now();
         let scene = build_scene(scenario, &mut prepared, &self.options.cache, progress)?;
@@ -166,9 +176,12 @@ impl Images<'_> {
         let start = Instant::now();
         progress.begin("rendering", todo.len(), "exposures");
         let instrument = images::Instrument { imaging: &imaging, session };
-        let spent = images::render(&prepared, instrument, writer, todo, self.options.existing.resume, progress)?;
+        let watch = Watch::new(scenario, &prepared)?;
+        let resume = self.options.existing.resume;
+        let spent = images::render(&prepared, instrument, writer, todo, &watch, resume, progress)?;
         seconds.rendering = lap(start);
-        Ok(spent)
+        let warnings = watch.summed(spent.exposures);
+        Ok((spent, warnings))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gdal::raster::{Buffer, RasterCreationOptions};
+use gdal::raster::{Buffer, RasterBand, RasterCreationOptions};
 use gdal::spatial_ref::SpatialRef;
 use gdal::{Dataset, DriverManager, Metadata};
 
@@ -59,6 +59,7 @@ impl GeoTiff<'_> {
             target.set_no_data_value(Some(f64::NAN))?;
             target.set_description(band.name)?;
             target.set_metadata_item("UNIT", band.unit, "")?;
+            set_unit(&target, band.unit)?;
             target.write((0, 0), size, &mut Buffer::new(size, band.values.to_vec()))?;
         }
         file.flush_cache()?;
@@ -69,4 +70,15 @@ impl GeoTiff<'_> {
         whole.rasterband(self.bands.len())?.read_as::<f32>(last_row, (self.columns, 1), (self.columns, 1), None)?;
         Ok(())
     }
+}
+
+/// GDAL's unit of a band, which the bindings can read only.
+fn set_unit(band: &RasterBand, unit: &str) -> Result<(), GdalError> {
+    let text = std::ffi::CString::new(unit)?;
+    // SAFETY: the handle lives as long as the band, the text as long as the call, which copies it.
+    let class = unsafe { gdal_sys::GDALSetRasterUnitType(band.c_rasterband(), text.as_ptr()) };
+    if class == gdal_sys::CPLErr::CE_None {
+        return Ok(());
+    }
+    Err(GdalError::CplError { class, number: 0, msg: format!("the unit {unit} of a band is not taken") })
 }

@@ -77,6 +77,36 @@ pub fn peak_memory_mib_of(process: u32) -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
+/// Memory that this process may still take: what the system has left, within the limits on the process and on its control group.
+/// `None`: the system does not say.
+pub fn available_memory_bytes() -> Option<f64> {
+    let free = kib("/proc/meminfo", "MemAvailable:");
+    let number = |file: &str| fs::read_to_string(file).ok()?.trim().parse::<f64>().ok();
+    let of_group = number("/sys/fs/cgroup/memory.max")
+        .zip(number("/sys/fs/cgroup/memory.current"))
+        .map(|(most, taken)| most - taken);
+    [free, address_space_left_bytes(), of_group].into_iter().flatten().reduce(f64::min)
+}
+
+/// What the limit on its address space (`ulimit -v`) leaves to this process; `None`: there is no limit.
+pub fn address_space_left_bytes() -> Option<f64> {
+    Some(address_space_bytes()? - kib("/proc/self/status", "VmSize:")?)
+}
+
+/// A number of KiB from a line of one of the system's files, in bytes.
+fn kib(file: &str, key: &str) -> Option<f64> {
+    let text = fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(key))?;
+    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? * 1024.0)
+}
+
+/// The limit on the process's address space (`ulimit -v`).
+fn address_space_bytes() -> Option<f64> {
+    let text = fs::read_to_string("/proc/self/limits").ok()?;
+    let line = text.lines().find(|line| line.starts_with("Max address space"))?;
+    line.split_whitespace().nth(3)?.parse().ok()
+}
+
 /// Begins a new measurement of the peak; what is held now stays in it.
 pub fn forget_peak_memory() {
     // Where the system does not know it the peak goes on from the start of the process.

@@ -16,6 +16,8 @@ pub type FileHint<'a> = &'a dyn Fn(&str) -> Option<String>;
 pub struct Check<'a> {
     pub tree: Option<&'a Node>,
     pub problems: Vec<Problem>,
+    /// What the user should know, though it works.
+    pub notes: Vec<String>,
     pub places: &'a SearchPath,
     pub about: FileHint<'a>,
 }
@@ -49,7 +51,7 @@ impl Check<'_> {
     pub fn raster(&mut self, key: &str, name: &str) -> PathBuf {
         let find = |name: &str| match self.places.find(name) {
             Found::File(path) => Some(path),
-            Found::Directory(_) | Found::Nowhere(_) => None,
+            _ => None,
         };
         match (self.places.find(name), Within::find(name, &find)) {
             (Found::Nowhere(_), Some(within)) => within.name,
@@ -60,7 +62,7 @@ impl Check<'_> {
     pub fn folder(&mut self, key: &str, name: &str) -> PathBuf {
         match self.places.find(name) {
             Found::Directory(path) => path,
-            Found::File(_) => {
+            Found::File(_) | Found::Excerpt(_) => {
                 self.report(key, Fault::Needs("must be a folder".into()));
                 PathBuf::new()
             }
@@ -80,6 +82,10 @@ impl Check<'_> {
         let got = name.to_string();
         match found {
             Found::File(path) => return path,
+            Found::Excerpt(path) => {
+                self.notes.push(format!("{key}: {name} is not there, its excerpt {} is used", path.display()));
+                return path;
+            }
             Found::Directory(_) => self.report(key, Fault::IsADirectory { got }),
             Found::Nowhere(looked_in) => {
                 let file_name = Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());

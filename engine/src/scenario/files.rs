@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ephemeris::known_file;
+
 /// Directories in which file names of a scenario are looked up, in this order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchPath {
@@ -14,6 +16,8 @@ pub struct SearchPath {
 /// What became of a file name.
 pub(super) enum Found {
     File(PathBuf),
+    /// A part or a reduction of a known file that is not there.
+    Excerpt(PathBuf),
     Directory(PathBuf),
     Nowhere(Vec<String>),
 }
@@ -26,8 +30,23 @@ impl SearchPath {
         Self { beside: beside.to_path_buf(), data: data.iter().cloned().chain(shared).collect() }
     }
 
+    /// A file by its name, in `dem/` and `kernels/` of the directories too; in place of a known file that is nowhere, its excerpt.
     pub(super) fn find(&self, name: &str) -> Found {
-        find_in(name, self.directories())
+        let found = find_in(name, self.directories());
+        let is_plain = Path::new(name).file_name() == Some(Path::new(name).as_os_str());
+        match found {
+            Found::Nowhere(_) if is_plain => {
+                let excerpts = known_file(name).map_or(&[][..], |file| &file.excerpts);
+                let excerpt = || excerpts.iter().find_map(|excerpt| self.in_folders(excerpt)).map(Found::Excerpt);
+                self.in_folders(name).map(Found::File).or_else(excerpt).unwrap_or(found)
+            }
+            found => found,
+        }
+    }
+
+    fn in_folders(&self, name: &str) -> Option<PathBuf> {
+        let within = |directory: &Path| ["", "dem", "kernels"].map(|folder| directory.join(folder).join(name));
+        self.directories().flat_map(within).find(|path| path.is_file())
     }
 
     fn directories(&self) -> impl Iterator<Item = &Path> {

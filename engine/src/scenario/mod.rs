@@ -17,6 +17,7 @@ mod check;
 mod draft;
 mod error;
 mod files;
+mod hints;
 mod light;
 mod load;
 mod motion;

@@ -24,7 +24,7 @@ pub fn resolve(path: &Path, text: &str, places: &SearchPath, about: FileHint) ->
         Err(_) if !structural.is_empty() => return Err(problems(structural)),
         Err(syntax) => return Err(problems(vec![syntax])),
     };
-    let mut check = Check { tree: tree.as_ref(), problems: structural, places, about };
+    let mut check = Check { tree: tree.as_ref(), problems: structural, notes: Vec::new(), places, about };
     let scenario = scenario(path, text, &spec, &mut check);
     if check.problems.is_empty() { Ok(scenario) } else { Err(problems(check.problems)) }
 }
@@ -82,6 +82,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         seed: spec.seed,
         draft: false,
     };
+    scenario.notes.append(&mut check.notes);
     scenario.sweep = spec.sweep.as_ref().and_then(|written| sweep::sweep(written, &scenario, check));
     scenario
 }

@@ -79,7 +79,7 @@ mod tests {
             let is_synthetic = scenario.text.contains("Synthetic(");
             assert_eq!(scenario.needs().is_empty(), is_synthetic, "{}: {:?}", scenario.name, scenario.needs());
         }
-        assert_eq!(ShippedScenario::named("orbit_pass.ron").unwrap().needs(), ["dem/moon_gld100_16ppd_global.tif"]);
+        assert_eq!(ShippedScenario::named("orbit_pass.ron").unwrap().needs(), ["WAC_GLD100_E000N1800_016P.IMG"]);
         assert_eq!(ShippedScenario::named("nowhere"), None);
     }
 }

@@ -10,6 +10,7 @@ use serde_json::Value as Json;
 
 use super::Spec;
 use super::error::{Fault, Problem};
+use super::hints::near;
 use super::tree::{Node, StructField, TextPosition, Value};
 
 /// The JSON schema of scenarios.
@@ -127,17 +128,21 @@ impl<'a> Check<'a> {
     fn object(&mut self, schema: &'a Json, node: &Node, key: &str) {
         let Value::Struct(fields) = &node.unwrapped().value else {
             let needed: Vec<&str> = required(schema).collect();
-            let expected = if needed.is_empty() { "(…)".into() } else { format!("({})", needed.join(", ")) };
+            let keys: Vec<String> = needed.iter().map(|name| format!("{name}: …")).collect();
+            let expected = match keys[..] {
+                [] => "a group of keys, as in (key: …)".into(),
+                _ => format!("a group of keys, as in ({})", keys.join(", ")),
+            };
             return self.wrong_type(node, key, &expected);
         };
-        let mut keys = HashSet::new();
+        let mut written = HashSet::new();
         for field in fields {
-            if !keys.insert(field.key.as_str()) {
+            if !written.insert(field.key.as_str()) {
                 self.report(field.place, &join(key, &field.key), Fault::WrittenTwice);
             }
             self.field(schema, field, key);
         }
-        for name in required(schema).filter(|name| !keys.contains(name)) {
+        for name in required(schema).filter(|name| !written.contains(name)) {
             self.report(node.place, &join(key, name), Fault::Missing);
         }
     }
@@ -269,30 +274,11 @@ fn shown(node: &Node) -> String {
         Value::Text(text) => format!("{text:?}"),
         Value::Bool(value) => value.to_string(),
         Value::List(_) => "[…]".into(),
+        Value::Tuple(items) if (1..=4).contains(&items.len()) => {
+            format!("({})", items.iter().map(shown).collect::<Vec<_>>().join(", "))
+        }
         Value::Tuple(_) | Value::Struct(_) => "(…)".into(),
         Value::Named(name, None) => name.clone(),
         Value::Named(name, Some(_)) => format!("{name}(…)"),
     }
-}
-
-/// The allowed name that differs from `name` in at most a third of its letters.
-fn near(name: &str, allowed: &[String]) -> Option<String> {
-    let distance = |other: &String| edit_distance(&name.to_lowercase(), &other.to_lowercase());
-    let best = allowed.iter().min_by_key(|other| distance(other))?;
-    (distance(best) <= name.chars().count().div_ceil(3)).then(|| best.clone())
-}
-
-/// Levenshtein's distance: how many letters to insert, drop or change.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, char_a) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, char_b) in b.iter().enumerate() {
-            let change = diagonal + usize::from(char_a != *char_b);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -15,7 +15,7 @@ use serde_json::{Value as Json, json};
 
 use super::levels;
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, place, print_line};
+use crate::cli::{Outcome, place, print_line, ranges};
 
 #[derive(Debug, clap::Args)]
 #[group(id = "build")]
@@ -31,13 +31,13 @@ pub struct Args {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     at: Option<Geodetic>,
     /// Number of azimuths, evenly spaced
-    #[arg(long, value_name = "N", default_value_t = 360)]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = ranges::azimuths, allow_hyphen_values = true)]
     azimuths: usize,
     /// Terrain further away does not occlude, in metres [default: all terrain does]
-    #[arg(long, value_name = "M", value_parser = levels::metres)]
+    #[arg(long, value_name = "M", value_parser = ranges::metres, allow_hyphen_values = true)]
     search: Option<f64>,
     /// Height of the observer above the ground, in metres
-    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = ranges::height, allow_hyphen_values = true)]
     observer_height: f64,
     /// How skylines are looked for: sweep, the fast one; exact, right to the last digit of f32; gpu, as right, on a
     /// graphics device
@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
-    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = ranges::memory, allow_hyphen_values = true)]
     memory: usize,
     /// Print JSON
     #[arg(long)]

@@ -9,9 +9,9 @@ use perilune_engine::report::machine::peak_memory_mib;
 use serde_json::{Value as Json, json};
 
 use super::build::{in_degrees, row};
-use super::levels::{self, BodyArgs, Values};
+use super::levels::{BodyArgs, Values};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, print_line, with_flag};
+use crate::cli::{Outcome, print_line, ranges, with_flag};
 
 /// Build the horizons of a whole body, tile by tile, from a model of any size.
 ///
@@ -28,33 +28,33 @@ pub struct Args {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Distance of the finest nodes in metres, at most [default: the model's own]
-    #[arg(long, value_name = "M", value_parser = levels::metres)]
+    #[arg(long, value_name = "M", value_parser = ranges::posting, allow_hyphen_values = true)]
     posting: Option<f64>,
     /// Cells along a tile's side
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u16).range(16..=2048))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = ranges::number(16_u16..=2048, ""), allow_hyphen_values = true)]
     cells: u16,
     /// Nodes around a tile at its own posting; each coarser level around it reaches as many of its own
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u16).range(40..=2048))]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = ranges::number(40_u16..=2048, ""), allow_hyphen_values = true)]
     margin: u16,
     /// Make these tiles only: FACE/LEVEL/COLUMN/ROW, each a number, a range as 0-3, or *; or a box S,W,N,E in degrees
     #[arg(long, value_name = "TILES", allow_hyphen_values = true)]
     tiles: Vec<Selection>,
     /// Number of azimuths, evenly spaced
-    #[arg(long, value_name = "N", default_value_t = 360)]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = ranges::azimuths, allow_hyphen_values = true)]
     azimuths: usize,
     /// Height of the observer above the ground, in metres
-    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = ranges::height, allow_hyphen_values = true)]
     observer_height: f64,
     /// How skylines are stored: fm16, a Fourier pyramid of 16 coefficients; w21, a quantised one of as many bytes that errs
     /// less; q, quantised in equal steps, for small files
     #[arg(long, value_name = "NAME", default_value_t)]
     encoding: Encoding,
     /// Memory that the program may take, in MiB; with less than its sums need, a build keeps them on disk
-    #[arg(long, value_name = "MIB", default_value_t = 2048)]
+    #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = ranges::memory, allow_hyphen_values = true)]
     memory: usize,
     /// Compare with traces over the full resolution at so many random places, the poles, the cube's edges and the
     /// antimeridian; 0 compares nothing
-    #[arg(long, value_name = "N", default_value_t = 24)]
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = ranges::places, allow_hyphen_values = true)]
     check: usize,
     /// What pixels hold; auto tells heights from radii by their size
     #[arg(long, value_enum, default_value_t)]

@@ -12,15 +12,17 @@ use perilune_engine::pipeline::ground::{self, Ground};
 use perilune_engine::raster::{self, Reading};
 use perilune_engine::scenario::{self, Dem};
 
+use crate::cli::ranges;
+
 /// How DEMs become levels.
 #[derive(Debug, clap::Args)]
 #[group(id = "levels")]
 pub struct Args {
     /// Distance of nodes in metres, one for each DEM in turn [default: the DEM's own]
-    #[arg(long, value_name = "M", value_parser = metres)]
+    #[arg(long, value_name = "M", value_parser = ranges::posting, allow_hyphen_values = true)]
     posting: Vec<f64>,
     /// Side in metres of the square about the centre to cover, one for each DEM in turn [default: all of the DEM]
-    #[arg(long, value_name = "M", value_parser = metres)]
+    #[arg(long, value_name = "M", value_parser = ranges::metres, allow_hyphen_values = true)]
     extent: Vec<f64>,
     /// Cut one DEM of the whole body into the six faces of a cube
     #[arg(long, conflicts_with = "extent")]
@@ -39,7 +41,7 @@ pub struct BodyArgs {
     #[arg(long, default_value = "moon")]
     body: String,
     /// Take a sphere of this radius in metres for the body, as some DEMs do
-    #[arg(long, value_name = "M", value_parser = metres)]
+    #[arg(long, value_name = "M", value_parser = ranges::radius, allow_hyphen_values = true)]
     radius: Option<f64>,
 }
 
@@ -134,10 +136,4 @@ pub fn find(ground: &Ground, tile: &Path, header: &Header) -> Result<(usize, usi
             tile.display()
         )
     })
-}
-
-/// A distance.
-pub fn metres(text: &str) -> Result<f64, String> {
-    let number = text.parse().map_err(|_| "want a number of metres".to_owned())?;
-    if number > 0.0 && f64::is_finite(number) { Ok(number) } else { Err("want more than 0 m".into()) }
 }

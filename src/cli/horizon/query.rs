@@ -13,7 +13,7 @@ use serde_json::json;
 use super::levels::{self, find};
 use super::{degrees, plot};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, place, print_line};
+use crate::cli::{Outcome, place, print_line, ranges};
 
 /// Print the skyline of a place as its tile holds it, and as traced where the DEMs are given.
 #[derive(Debug, clap::Args)]
@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     centre: Option<Geodetic>,
     /// Step of the azimuths, in degrees
-    #[arg(long, value_name = "D", default_value_t = 5.0, value_parser = step)]
+    #[arg(long, value_name = "D", default_value_t = 5.0, value_parser = ranges::number(0.001..=120.0, "degrees"), allow_hyphen_values = true)]
     azimuth_step: f64,
     /// Draw the skyline
     #[arg(long, value_name = "FILE.svg", value_parser = svg)]
@@ -50,11 +50,6 @@ pub struct Row {
     pub decoded: f64,
     pub traced: Option<f64>,
     distance_m: Option<f64>,
-}
-
-fn step(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "want degrees".to_owned())?;
-    if (0.001..=120.0).contains(&number) { Ok(number) } else { Err("want 0.001 to 120 degrees".into()) }
 }
 
 fn svg(text: &str) -> Result<PathBuf, String> {

@@ -13,7 +13,7 @@ use serde_json::json;
 use super::build::{in_degrees, row};
 use super::levels::{self, find};
 use crate::cli::bars::Bars;
-use crate::cli::{Outcome, place, print_line};
+use crate::cli::{Outcome, place, print_line, ranges};
 
 /// Trace nodes of a tile anew and hold the errors that its header states against what is found.
 ///
@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     at: Option<Geodetic>,
     /// Nodes to draw
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(8..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = ranges::number(8_u64..=100_000, ""), allow_hyphen_values = true)]
     count: u64,
     /// Seed of the draw
     #[arg(long, default_value_t = 1)]

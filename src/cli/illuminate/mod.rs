@@ -10,6 +10,7 @@ use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
 use perilune_engine::illumination::blocks::Blocks;
+use perilune_engine::illumination::geotiff::MappedLevel;
 use perilune_engine::illumination::maps::needed_blocks;
 use perilune_engine::illumination::place::Summary;
 use perilune_engine::illumination::report::{IlluminationReport, PlaceResult};
@@ -24,7 +25,7 @@ use super::bars::Bars;
 use super::common::{CacheArgs, Kernels};
 use super::horizon::levels;
 use super::sun::parse_step;
-use super::{Outcome, place, print_line};
+use super::{Outcome, place, print_line, ranges};
 use area::NamedArea;
 
 mod area;
@@ -50,10 +51,10 @@ pub struct Args {
     #[arg(long, value_name = "EPOCH")]
     until: String,
     /// Step, as 30min, 1h or 1d
-    #[arg(long, default_value = "1h", value_parser = parse_step)]
+    #[arg(long, default_value = "1h", value_parser = parse_step, allow_hyphen_values = true)]
     step: Duration,
     /// What counts as lit: `any` part of the disc, its `centre`, or a share of its light, as 0.5
-    #[arg(long, default_value = "any", value_parser = lit)]
+    #[arg(long, default_value = "any", value_parser = lit, allow_hyphen_values = true)]
     lit: Lit,
     /// Leave out that the Earth hides the Sun in lunar eclipses
     #[arg(long)]
@@ -66,29 +67,29 @@ pub struct Args {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     at: Vec<Geodetic>,
     /// Choose so many best nodes of the map, and trace their skylines
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::number(0_usize..=10_000, ""), allow_hyphen_values = true)]
     best: usize,
     /// What makes a node good
     #[arg(long, value_enum, default_value_t, requires = "best")]
     by: By,
     /// Least distance between the best nodes, in metres
-    #[arg(long, value_name = "M", default_value_t = 500.0, value_parser = levels::metres, requires = "best")]
+    #[arg(long, value_name = "M", default_value_t = 500.0, value_parser = ranges::metres, allow_hyphen_values = true, requires = "best")]
     apart: f64,
     /// Height of the observer above the ground, in metres
-    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = ranges::height, allow_hyphen_values = true)]
     observer_height: f64,
     /// Azimuths at which skylines are swept
-    #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(36..=3600))]
+    #[arg(long, value_name = "N", default_value_t = 360, value_parser = ranges::number(36_usize..=3600, ""), allow_hyphen_values = true)]
     azimuths: usize,
     /// Take skylines from a compressed tile, which is kept for the next time, instead of sweeping them anew: less memory,
     /// larger errors
     #[arg(long, value_name = "NAME")]
     encoding: Option<Encoding>,
     /// Memory that swept skylines may take, in MiB
-    #[arg(long, value_name = "MIB", default_value_t = 4096)]
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = ranges::memory, allow_hyphen_values = true)]
     memory: usize,
     /// Trace the skylines of so many nodes, and tell how far the maps are from them
-    #[arg(long, value_name = "N", default_value_t = 24)]
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = ranges::places, allow_hyphen_values = true)]
     check: usize,
     /// Centre of the map, in degrees [default: the middle of the first DEM]
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
@@ -185,7 +186,7 @@ pub fn run(args: Args) -> Outcome {
         check,
     };
     let report = findings.report()?;
-    maps.write(&face.map, level, &args.output.join("illumination.tif"))?;
+    results::write_map(&maps, MappedLevel { body, map: &face.map, level }, &args.dems[0], &args.output)?;
     results::write(&args.output, &track, &results, &places)?;
     report.write(&args.output)?;
     if args.json {

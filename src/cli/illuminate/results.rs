@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use perilune_engine::dataset;
+use perilune_engine::illumination::geotiff::MappedLevel;
 use perilune_engine::illumination::report::{AreaResult, PlaceResult, series};
 use perilune_engine::illumination::{AreaSummary, Maps, Series, Track};
+use perilune_engine::raster;
 
 use super::area::NamedArea;
 
@@ -41,4 +43,10 @@ pub fn write(
 
 fn write_file(directory: &Path, name: &str, text: &str) -> Result<(), dataset::DatasetError> {
     dataset::write_whole(&directory.join(name), text.as_bytes())
+}
+
+/// Writes the maps on the pixels of the model `dem`.
+pub fn write_map(maps: &Maps, on: MappedLevel, dem: &Path, output: &Path) -> Result<(), raster::Error> {
+    let (georeference, [columns, _]) = raster::Dem::lies(dem, &raster::Reading::default())?;
+    maps.write(on, &georeference, columns, &output.join("illumination.tif"))
 }

@@ -7,6 +7,8 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::Value as Json;
 
+use crate::geometry::contradicted_step;
+
 /// Neighbours that an interpolated position goes through.
 const NEIGHBOURS: usize = 8;
 
@@ -43,6 +45,7 @@ pub struct IsdSpec {
     #[serde(default)]
     pub framelets_flipped: bool,
     pub num_lines_overlap: Option<f64>,
+    pub interpolation_method: Option<String>,
     pub instrument_position: Positions,
     pub instrument_pointing: Turning,
     pub body_rotation: Turning,
@@ -221,6 +224,9 @@ fn kilometres() -> String {
 #[derive(Debug, Clone, Deserialize)]
 pub struct Positions {
     pub positions: Vec<[f64; 3]>,
+    /// In the unit of the positions a second; nothing is made of them, but they must agree.
+    #[serde(default)]
+    pub velocities: Vec<[f64; 3]>,
     #[serde(default)]
     pub ephemeris_times: Vec<f64>,
     #[serde(default = "kilometres")]
@@ -240,6 +246,14 @@ pub struct Turning {
 }
 
 impl Positions {
+    /// The row up to which positions move otherwise than their velocities say; velocities that are all zero say nothing.
+    pub fn contradicted_row(&self) -> Option<usize> {
+        let vectors = |rows: &[[f64; 3]]| rows.iter().map(|row| DVec3::from(*row)).collect::<Vec<_>>();
+        let says = self.velocities.iter().flatten().any(|part| *part != 0.0);
+        let [positions, velocities] = [vectors(&self.positions), vectors(&self.velocities)];
+        contradicted_step(&self.ephemeris_times, &positions, &velocities).filter(|_| says)
+    }
+
     /// Lagrange's polynomial through the neighbours.
     pub fn at(&self, time: f64) -> DVec3 {
         let (times, count) = (&self.ephemeris_times, self.positions.len().min(NEIGHBOURS));

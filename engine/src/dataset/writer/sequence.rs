@@ -113,6 +113,7 @@ impl Writer {
                 epoch_utc: record.facts.epoch.utc.clone(),
                 point: record.facts.sweep.as_ref().map(|sweep| sweep.point),
                 split: record.facts.split.as_ref().map(|split| split.part.clone()),
+                warnings: record.facts.quality.warnings.clone(),
                 files: record.files.iter().cloned().chain(preview).chain([json]).collect(),
             }
         };
