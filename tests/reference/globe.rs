@@ -67,12 +67,17 @@ pub(super) fn options(folder: &TempDir, name: &str) -> Options {
     }
 }
 
+/// Of the Moon's size, with mountains that the Moon itself has not.
+pub(super) fn body() -> Body {
+    Body { naif_id: 0, ..Body::moon() }
+}
+
 pub(super) fn run(options: &Options) -> Report {
-    build(&Body::moon(), options, &Silent).unwrap()
+    build(&body(), options, &Silent).unwrap()
 }
 
 fn open(options: &Options) -> Globe {
-    Globe::open(&Body::moon(), options, &Silent).unwrap()
+    Globe::open(&body(), options, &Silent).unwrap()
 }
 
 fn files(options: &Options) -> Vec<PathBuf> {
@@ -216,8 +221,8 @@ fn a_run_that_was_stopped_goes_on_and_another_plan_is_refused() {
     }
 
     let other = Options { settings: Settings { azimuths: 48, ..options.settings }, ..options.clone() };
-    let error = build(&Body::moon(), &other, &Silent).unwrap_err();
+    let error = build(&body(), &other, &Silent).unwrap_err();
     assert!(matches!(error, Error::OtherGlobe { .. }) && error.to_string().contains("settings"), "{error}");
     let none = Options { tiles: vec!["0/9".parse().unwrap()], ..options };
-    assert!(matches!(build(&Body::moon(), &none, &Silent), Err(Error::NoTiles { levels: 3 })));
+    assert!(matches!(build(&body(), &none, &Silent), Err(Error::NoTiles { levels: 3 })));
 }

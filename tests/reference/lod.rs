@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 use crate::{conformance, fixtures};
 
-use super::globe::{options, run, write_globe};
+use super::globe::{body, options, run, write_globe};
 
 const RADIUS_M: f64 = 1_737_400.0;
 
@@ -69,7 +69,7 @@ fn steps_m(globe: &Globe, cut: &Cut, face: impl Fn(TileId) -> Face) -> Vec<f64> 
 #[test]
 fn tiles_of_different_detail_meet_without_a_step() {
     let folder = tempfile::tempdir().unwrap();
-    let globe = Globe::open(&Body::moon(), &options(&folder, "steps"), &Silent).unwrap();
+    let globe = Globe::open(&body(), &options(&folder, "steps"), &Silent).unwrap();
     let fine = globe.tree.find(2, globe.tree.body.position_from_geodetic(corner())).0;
     let cut = Cut::new(&globe.tree, [fine], |_| true);
     let levels: BTreeSet<usize> = cut.tiles().map(|tile| tile.level).collect();
