@@ -86,7 +86,7 @@ fn what_is_no_image_and_no_dataset_is_named() {
     let cut = folder.path().join("cut.exr");
     std::fs::write(&cut, [0x76, 0x2f, 0x31, 0x01, 2, 0]).unwrap();
     for (path, said) in [
-        (text.as_path(), "is none of OpenEXR, PNG, TIFF, a record, a manifest"),
+        (text.as_path(), "is none of OpenEXR, PNG, TIFF, NPZ, COCO, a record, a manifest"),
         (cut.as_path(), "as OpenEXR: "),
         (folder.path(), "holds no manifest.json, so it is no dataset"),
         (Path::new("/nowhere.exr"), "cannot read /nowhere.exr: "),
