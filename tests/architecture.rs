@@ -30,7 +30,7 @@ const CRATES: [(&str, &[&str]); 7] = [
     ("anise", &["ephemeris/"]),
     ("sofars", &["ephemeris/"]),
     ("gdal", &["raster/"]),
-    ("gdal_sys", &["raster/write.rs"]),
+    ("gdal_sys", &["raster/"]),
     ("wgpu", &["gpu", "render/passes", "shadow/", "horizon/*gpu"]),
     ("pollster", &["gpu"]),
     ("ron", &["scenario/", "dataset/", "ephemeris/manifest.rs"]),

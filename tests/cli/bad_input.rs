@@ -71,10 +71,10 @@ const STRUCTURE: &[Case] = &[
         "10:23: camera.band_nm reaches from 300 to 700 nm; TSIS-1 HSRS v2, 1 nm has 350 to 2500 nm",
     ),
     Case(
-        "limb darkening without a wavelength",
+        "a phase function beside a law that has its own",
         "title: \"a test\"",
-        "title: \"a test\", sun: (disc: LimbDarkened())",
-        "2:34: sun.disc needs wavelength_nm, or a camera with a band",
+        "title: \"a test\", surface: (photometry: HapkeMoon, phase_function: Moon)",
+        "2:71: surface.phase_function needs a model without a phase function of its own",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(

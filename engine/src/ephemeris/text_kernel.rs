@@ -60,7 +60,8 @@ pub(super) fn parse(text: &str) -> Result<Vec<Assignment>, Fault> {
         match content.trim() {
             BEGIN_DATA => (is_data, has_data) = (true, true),
             BEGIN_TEXT => is_data = false,
-            word if is_data || word.starts_with(BEGIN_DATA) => {
+            // Comments speak of the token; one with an assignment behind it was meant as data.
+            word if is_data || (word.starts_with(BEGIN_DATA) && word.contains('=')) => {
                 if word.starts_with('\\') {
                     return Err(fault(format!("`{}` does not stand alone on its line", shortened(word))));
                 }
@@ -271,6 +272,8 @@ mod tests {
             let fault = data(text).unwrap_err();
             assert!(fault.line == 3 && fault.problem.contains(expected), "{text}: {fault:?}");
         }
+        let spoken_of = "KPL/PCK\n\\begindata token. It must stand alone.\n\\begindata\nA = 1\n";
+        assert_eq!(parse(spoken_of).unwrap().len(), 1);
         assert!(parse("KPL/PCK\nA = 1\n").unwrap_err().problem.contains("no line \\begindata"));
     }
 }

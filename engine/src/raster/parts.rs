@@ -140,7 +140,7 @@ mod tests {
         for n in [3, 5, 11, 13, 100, 700] {
             for block in [(256, 256), (512, 512), (30_400, 1), (128, 128), (1024, 64)] {
                 let loads = loads(Window { column: 77, row: 33, columns: 30_000, rows: 30_000 }, n, 30_400, block);
-                assert!(loads < 2.2, "{n} {block:?}: {loads}");
+                assert!(loads < 2.5, "{n} {block:?}: {loads}");
             }
         }
     }

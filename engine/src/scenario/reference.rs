@@ -160,7 +160,7 @@ mod tests {
             "    focal_length_mm: number in [1, 10000] mm",
             "    columns: whole number in [1, 16384]",
             "- HorizonMaps(…): From Fourier-compressed horizon maps, made once for all Suns.",
-            "shadows: one of = HorizonMaps()",
+            "shadows: one of = Auto()",
             "        posting_m*: number in [0.01, 100000] m",
         ] {
             assert!(text.contains(line), "no line {line:?} in\n{text}");
