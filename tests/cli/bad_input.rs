@@ -72,9 +72,9 @@ const STRUCTURE: &[Case] = &[
     ),
     Case(
         "a phase function beside a law that has its own",
-        "title: \"a test\"",
-        "title: \"a test\", surface: (photometry: HapkeMoon, phase_function: Moon)",
-        "2:71: surface.phase_function needs a model without a phase function of its own",
+        "photometry: Lambert,",
+        "photometry: HapkeMoon, phase_function: Moon,",
+        "4:54: surface.phase_function needs a model without a phase function of its own",
     ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(
