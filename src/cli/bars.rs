@@ -145,10 +145,9 @@ impl Progress for Bars {
         let bar = self.bar();
         bar.set_length(total as u64);
         bar.set_position(done as u64);
-        if let Some(stage) = self.lines.as_ref().and_then(|lines| Some(locked(lines))).as_deref_mut() {
-            if let Some(stage) = stage {
-                (stage.done, stage.total) = (done, total);
-            }
+        let mut line = self.lines.as_ref().map(|lines| locked(lines));
+        if let Some(stage) = line.as_mut().and_then(|line| line.as_mut()) {
+            (stage.done, stage.total) = (done, total);
         }
     }
 

@@ -63,7 +63,7 @@ pub enum Error {
     )]
     Implausible {
         path: PathBuf,
-        body: String,
+        body: Box<str>,
         stored: f64,
         value_m: f64,
         count: u64,

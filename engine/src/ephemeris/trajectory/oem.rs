@@ -316,7 +316,7 @@ impl Segment {
             ends.clone().all(|state| radii.contains(&(state.position_m.length() / radius_m)))
         };
         let is_fast = velocity_m_s.length() > HIGH_SPEED_M_S;
-        if !all_within(&LOW_RADII) && !(is_fast && all_within(&HIGH_RADII)) {
+        if !(all_within(&LOW_RADII) || is_fast && all_within(&HIGH_RADII)) {
             return Ok(());
         }
         let distance_km = self.states.first().map_or(0.0, |state| state.position_m.length() / M_PER_KM);
