@@ -13,6 +13,7 @@ mod starts;
 mod uncertain;
 mod upload;
 
+use std::ops::Range;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -33,7 +34,7 @@ use super::recent::Recent;
 use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
-use crate::gpu::{Gpu, workgroups};
+use crate::gpu::{Gpu, GpuError, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
 use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
 use crate::shadow::field_pages::page_bits;
@@ -48,10 +49,15 @@ pub const SHADER: &str = concat!(
     include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
     include_str!("../terrain/azimuth_ratio.wgsl"),
+    include_str!("../gpu/cut_short.wgsl"),
 );
 
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
+
+/// Rays of a pixel in one pass, at first. Software Vulkan cuts loops short after 65 535 turns, which a grazing ray over wide terrain
+/// with some lights brings near by itself: where it does, fewer are followed at once.
+const RAYS_AT_ONCE: usize = 16;
 
 /// A scene on a device, and what its views have asked for so far.
 #[derive(Debug)]
@@ -72,6 +78,10 @@ pub struct Passes {
     mesh: Option<DeviceMesh>,
     device_time: Option<Duration>,
 }
+
+/// Bindings of the pass itself, as in the shader: the view's, which changes with the rays that are followed, and the others.
+const VIEW: u32 = BINDINGS as u32;
+const FIRST_OWN: u32 = VIEW + 1;
 
 /// An `override` value of the shader.
 type Constant = (&'static str, f64);
@@ -231,12 +241,11 @@ impl Passes {
             None => Starts::at_the_camera(gpu),
         };
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), finding.unwrap_or(Some(0.0)));
+        let mut at_once = RAYS_AT_ONCE;
         for band in &table.bands {
-            let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
             let own = [
-                &parameters,
                 &faces,
                 &levels,
                 &lights,
@@ -254,10 +263,24 @@ impl Passes {
                 &starts.window,
                 &starts.depths,
             ];
-            let buffers = (0..).zip(of_method.clone()).chain((BINDINGS as u32..).zip(own)).collect::<Vec<_>>();
-            let spent = gpu.run_bound(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
-            seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
-            pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
+            let buffers: Vec<_> = (0..).zip(of_method.clone()).chain((FIRST_OWN..).zip(own)).collect();
+            let groups = workgroups(band.pixels.div_ceil(GROUP));
+            let mut follow = |rays: Range<usize>| {
+                let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels, rays)]);
+                let buffers = [&buffers[..], &[(VIEW, &parameters)]].concat();
+                let spent = gpu.run_bound(pipeline, &buffers, groups);
+                seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
+            };
+            pixels.extend(loop {
+                let rays = points.offsets.len();
+                (0..rays).step_by(at_once).for_each(|first| follow(first..rays.min(first + at_once)));
+                let pixels = gpu.read::<PixelOut>(&pixels_out)?;
+                match pixels.iter().any(|pixel| pixel.hit == PixelOut::CUT_SHORT) {
+                    false => break pixels,
+                    true if at_once > 1 => at_once /= 2,
+                    true => return Err(GpuError::CutShort { what: "rays" }.into()),
+                }
+            });
             if rays.centres {
                 centres.extend(gpu.read::<CentreOut>(&centres_out)?);
             }
