@@ -9,6 +9,7 @@ mod horizon;
 mod layout;
 mod mipmaps;
 mod multiscale;
+mod near;
 mod photometry;
 mod rays;
 pub mod render;

@@ -42,14 +42,22 @@ pub struct Settings {
     /// How the skylines are looked for.
     #[serde(default, skip_serializing_if = "Method::is_default")]
     pub method: Method,
+    /// Terrain nearer than so many postings of the level, counted along the axis of the map that a direction is nearer to, does
+    /// not occlude: who uses the horizons looks at it from where he stands ([`crate::shadow::near`]).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub near: usize,
     /// The elevations that matter: horizons beyond them are moved to their ends before they are compressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<ElevationBand>,
 }
 
+fn is_zero(number: &usize) -> bool {
+    *number == 0
+}
+
 impl Default for Settings {
     fn default() -> Self {
-        Self { azimuths: 360, search_m: None, observer_height_m: 0.0, method: Method::default(), band: None }
+        Self { azimuths: 360, search_m: None, observer_height_m: 0.0, method: Method::default(), near: 0, band: None }
     }
 }
 
@@ -67,6 +75,11 @@ impl Settings {
     /// What of an elevation at a map point matters: itself, or the end of the band that it lies beyond.
     pub fn relevant_rad(&self, map: &Gnomonic, at_m: DVec2, elevation_rad: f64) -> f64 {
         self.band.map_or(elevation_rad, |band| band.clamp(map, at_m, elevation_rad))
+    }
+
+    /// Map distance within which terrain does not occlude in a unit map direction.
+    pub fn near_m(&self, posting_m: f64, direction: DVec2) -> f64 {
+        self.near as f64 * posting_m / direction.abs().max_element()
     }
 
     pub(super) fn search_limit_m(&self) -> f64 {

@@ -3,7 +3,7 @@
 //! In the lifted map an azimuth is a family of parallel straight lines, so that a skyline is a tangent of slope `s`
 //! from a receiver to the surface along its line. For one azimuth:
 //!
-//! 1. [`near`]: every crossing of the first [`near::NEAR`] steps and the middle of every cell passed, many receivers at once,
+//! 1. unless what is near is left out ([`Settings::near`]), [`near`]: every crossing of the first [`near::NEAR`] steps and the middle of every cell passed, many receivers at once,
 //!    and where a cell may hide a hump that matters, the hump;
 //! 2. [`far`]: tangents to convex hulls of lines a posting apart, built while they are asked, and where interpolation
 //!    between two lines may err by more than 0.01° the receiver's own line about both touching points, exactly ([`profile`]);
@@ -48,7 +48,7 @@ use crate::terrain::{Face, Level};
 use angle::Shape;
 use coarser_levels::CoarserHulls;
 use far::{BLOCK, Block, Far, RowReceivers};
-use grid::{HeightGrid, middle_m};
+use grid::{HeightGrid, NEVER_M, middle_m};
 use line::PlacedGrid;
 use near::{NEAR, Site, Stencil};
 use profile::Profile;
@@ -94,13 +94,17 @@ impl<'a> Sweep<'a> {
         let fine = &self.grids[0];
         let pivot_m = fine.origin_m + DVec2::new((fine.majors / 2) as f64 * fine.posting_m, 0.0);
         let levels = self.grids.iter().map(|grid| PlacedGrid::new(grid, &ray, pivot_m)).collect();
-        let far = Far { ray: &ray, receivers: &self.receivers, levels, profile: Profile::new(fine, &ray) };
+        let profile = Profile::new(fine, &ray, self.settings.near);
+        let far = Far { ray: &ray, receivers: &self.receivers, levels, profile, reach: self.near_steps() };
         let mut plane = vec![0.0; self.receivers.observers_m.len()];
-        let stencil = Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0);
+        let stencil = match self.settings.near {
+            0 => Some(Stencil::new(fine, &ray, NEAR, self.settings.observer_height_m == 0.0)),
+            _ => None,
+        };
         widest(
             #[inline(always)]
             |registers| {
-                self.slopes(registers, &far, &stencil, &mut plane);
+                self.slopes(registers, &far, stencil.as_ref(), &mut plane);
                 self.add_coarser_levels(registers, &far, &mut plane);
             },
         );
@@ -112,9 +116,14 @@ impl<'a> Sweep<'a> {
         plane
     }
 
+    /// Major steps before the first row that hulls hold.
+    fn near_steps(&self) -> usize {
+        if self.settings.near == 0 { NEAR } else { self.settings.near - 1 }
+    }
+
     /// Slopes to what lies on the level and on the next one close by, in metres per metre along the major axis.
     #[inline(always)]
-    fn slopes(&self, registers: Registers, far: &Far, stencil: &Stencil, plane: &mut [f32]) {
+    fn slopes(&self, registers: Registers, far: &Far, stencil: Option<&Stencil>, plane: &mut [f32]) {
         let fine = &self.grids[0];
         let mut block = Block::default();
         for start in far.starts() {
@@ -132,14 +141,14 @@ impl<'a> Sweep<'a> {
         &self,
         registers: Registers,
         far: &Far,
-        stencil: &Stencil,
+        stencil: Option<&Stencil>,
         along: isize,
         block: &mut Block,
         plane: &mut [f32],
     ) {
         let (fine, r) = (&self.grids[0], &self.receivers);
         let scale = (1.0 / fine.posting_m) as f32;
-        let ahead = along + NEAR as isize + 1;
+        let ahead = along + far.reach as isize + 1;
         let row = far.row(block.start, along);
         let Some((u, taken)) = far.taken_receivers(&row) else {
             far.advance(registers, ahead, block);
@@ -160,19 +169,21 @@ impl<'a> Sweep<'a> {
         let query = far.ask(registers, ahead, block, &receivers);
         let at = fine.at(row.u as usize, 0).wrapping_add_signed(row.low + 1);
         let site = Site { heights_m: &fine.heights_m, twists_m: &self.twists_m, at, observers_m: &observers_m };
-        let [mut slopes, perhaps] = site.slopes(stencil);
+        let [mut slopes, perhaps] = stencil.map_or([[NEVER_M; LANES]; 2], |stencil| site.slopes(stencil));
         for slope in &mut slopes {
             *slope *= scale;
         }
         far.answer(block, &receivers, &query, &mut slopes);
-        let mut missed = [0.0; LANES];
-        for k in 0..LANES {
-            missed[k] = perhaps[k] * scale - slopes[k];
-        }
-        if largest(&missed) > HUMP {
-            let exact = site.exact_slopes(stencil);
+        if let Some(stencil) = stencil {
+            let mut missed = [0.0; LANES];
             for k in 0..LANES {
-                slopes[k] = larger(slopes[k], exact[k] * scale);
+                missed[k] = perhaps[k] * scale - slopes[k];
+            }
+            if largest(&missed) > HUMP {
+                let exact = site.exact_slopes(stencil);
+                for k in 0..LANES {
+                    slopes[k] = larger(slopes[k], exact[k] * scale);
+                }
             }
         }
         let RowReceivers { taken, .. } = receivers;

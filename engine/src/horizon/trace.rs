@@ -46,6 +46,8 @@ pub struct Tracer<'a> {
     /// Mipmaps of the levels; without them every cell is looked at.
     pyramids: &'a [Pyramid],
     settings: Settings,
+    /// Nothing beyond the near terrain occludes, nor does the bare sphere.
+    only_near: bool,
 }
 
 /// Elevation of the horizon of a point on the ground of `face` in a unit map direction, in radians.
@@ -60,7 +62,12 @@ impl<'a> Tracer<'a> {
 
     /// A tracer to which the levels finer than `level` do not exist.
     pub fn without_finer(face: &'a Face, level: usize, settings: &Settings) -> Self {
-        Self { map: &face.map, levels: &face.levels[level..], pyramids: &[], settings: *settings }
+        Self { map: &face.map, levels: &face.levels[level..], pyramids: &[], settings: *settings, only_near: false }
+    }
+
+    /// A tracer of what `near` leaves out, and of nothing else.
+    pub fn only_near(self) -> Self {
+        Self { only_near: true, ..self }
     }
 
     /// The lifted point of the ground above a map point; `None` outside all levels.
@@ -93,16 +100,29 @@ impl<'a> Tracer<'a> {
         let [little, enough] = [little_rad, enough_rad].map(|angle_rad| (angle_rad.tan() - level) / (one - level));
         let mut view =
             View { observer, direction, on_ground, little, enough, slope: f64::NEG_INFINITY, distance_m: 0.0 };
-        let (slope, distance_m) = skyline_beyond(self.map, observer, direction, end_m.map_or(0.0, |(_, out_m)| out_m));
-        view.offer(slope, distance_m);
+        if !self.only_near {
+            let edge_m = end_m.map_or(0.0, |(_, out_m)| out_m);
+            let (slope, distance_m) = skyline_beyond(self.map, observer, direction, edge_m);
+            view.offer(slope, distance_m);
+        }
 
+        let [first_m, last_m] = self.reach_m(direction);
         for (index, level) in self.levels.iter().enumerate() {
             self.stretches(index, observer.truncate(), direction, &mut |from_m, to_m| {
-                view.pass(level, self.pyramids.get(index), from_m, to_m, self.settings.search_limit_m());
+                let (from_m, to_m) = (from_m.max(first_m), to_m.min(last_m));
+                if from_m < to_m {
+                    view.pass(level, self.pyramids.get(index), from_m, to_m, self.settings.search_limit_m());
+                }
             });
         }
         let tangent = self.map.elevation_tangent(observer, direction, view.slope);
         Skyline { elevation_rad: tangent.atan(), distance_m: view.distance_m }
+    }
+
+    /// Map distances between which terrain counts.
+    fn reach_m(&self, direction: DVec2) -> [f64; 2] {
+        let near_m = self.levels.first().map_or(0.0, |level| self.settings.near_m(level.posting_m, direction));
+        if self.only_near { [0.0, near_m] } else { [near_m, f64::INFINITY] }
     }
 
     /// Map distances between which the ray `at + t d` runs over a level where no finer one covers it.

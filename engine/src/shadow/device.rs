@@ -14,6 +14,7 @@ use std::fmt::Debug;
 use wgpu::Buffer;
 
 use super::light::QuantizedLight;
+use super::near::Near;
 use crate::gpu::{Gpu, GpuError};
 use crate::horizon::Encoding;
 use crate::terrain::Gnomonic;
@@ -22,6 +23,12 @@ use crate::terrain::Gnomonic;
 const OPEN: &str = include_str!("open.wgsl");
 /// Skylines of nodes, interpolated.
 const NODES: &str = include_str!("nodes.wgsl");
+/// The same with what they leave out.
+const NODES_AND_NEAR: &str = concat!(
+    include_str!("nodes_and_near.wgsl"),
+    include_str!("near.wgsl"),
+    include_str!("../horizon/arc_tangent.wgsl")
+);
 /// The light above a straight skyline.
 pub const SKYLINE_WGSL: &str = include_str!("skyline.wgsl");
 /// Fields of nodes, interpolated: all bindings of a method.
@@ -97,11 +104,15 @@ impl DevicePart {
         Self::of(OPEN, Vec::new())
     }
 
-    /// Skylines of nodes, interpolated, made on the device or on the host.
-    pub fn of_skylines(maker: Option<Box<dyn FieldMaker>>) -> Self {
+    /// Skylines of nodes, interpolated, made on the device or on the host, with what they leave out.
+    pub fn of_skylines(maker: Option<Box<dyn FieldMaker>>, near: Near) -> Self {
+        let (nodes, constants) = match near {
+            Near::NONE => (NODES, Vec::new()),
+            Near { postings } => (NODES_AND_NEAR, vec![("NEAR", postings as f64)]),
+        };
         Self {
             fields: Some(maker.map_or(Fields::Host, Fields::Device)),
-            ..Self::of([SKYLINE_WGSL, FIELDS_WGSL, NODES].concat(), Vec::new())
+            ..Self::of([SKYLINE_WGSL, FIELDS_WGSL, nodes].concat(), constants)
         }
     }
 }

@@ -41,6 +41,12 @@ pub struct Pointing {
     pub half_width_rad: f64,
 }
 
+/// Half of what a disc spans in map azimuth, at a map point; `towards` is the map direction of its centre.
+pub fn half_width_rad(map: &Gnomonic, at_m: DVec2, centre: Direction<Map>, towards: DVec2, radius_rad: f64) -> f64 {
+    let level = centre.unit().reject_from_normalized(map.up(at_m).unit()).length();
+    ((radius_rad.sin() / level).min(1.0).asin() * map.azimuth_ratio(at_m, towards)).min(WIDEST_RAD)
+}
+
 impl QuantizedLight {
     pub fn new(position: Position<BodyFixed>, angular_radius_rad: f64) -> Self {
         let vector_m = position.vector_m();
@@ -59,8 +65,8 @@ impl QuantizedLight {
         let up = map.up(at_m).unit();
         let level = direction.unit().reject_from_normalized(up).length();
         let elevation_rad = up.dot(direction.unit()).atan2(level);
-        let half_width_rad = (self.angular_radius_rad.sin() / level).min(1.0).asin() * map.azimuth_ratio(at_m, towards);
-        Pointing { towards, elevation_rad, half_width_rad: half_width_rad.min(WIDEST_RAD) }
+        let half_width_rad = half_width_rad(map, at_m, direction, towards, self.angular_radius_rad);
+        Pointing { towards, elevation_rad, half_width_rad }
     }
 
     /// The unit map direction towards the light from a point of the ground, and the direction itself.

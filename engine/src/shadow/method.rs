@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::device::{DeviceError, DevicePart};
 use super::light::QuantizedLight;
+use super::near::Near;
 use super::site::{BoundedShadow, Shadow};
 use super::skylines::{InterpolatedSkylines, SkylineSource, Skylines, UnpreparedLight};
 use crate::gpu::{Gpu, GpuError};
@@ -32,6 +33,11 @@ pub trait ShadowMethod: Debug + Send + Sync {
         None
     }
 
+    /// The terrain that those skylines leave out, and that is looked at from every sample.
+    fn near(&self) -> Near {
+        Near::NONE
+    }
+
     /// The part for the host: shadows of lights, with whatever it finds for them in advance and `known` does not hold. `None`:
     /// only a facet's own plane shades it.
     fn shadow<'a>(
@@ -43,13 +49,13 @@ pub trait ShadowMethod: Debug + Send + Sync {
     ) -> Result<Option<Box<dyn Shadow + 'a>>, UnpreparedLight> {
         let Some(source) = self.skylines() else { return Ok(None) };
         let skylines = known.towards(surface, source, lights)?;
-        Ok(Some(Box::new(InterpolatedSkylines { surface, skylines })))
+        Ok(Some(Box::new(InterpolatedSkylines { surface, skylines, near: self.near() })))
     }
 
     /// The part for a device.
     fn device(&self, gpu: &Gpu, surface: &Surface, _disk: &SolarDisk) -> Result<DevicePart, DeviceError> {
         match self.skylines() {
-            Some(source) => Ok(DevicePart::of_skylines(source.on_device(gpu, surface)?)),
+            Some(source) => Ok(DevicePart::of_skylines(source.on_device(gpu, surface)?, self.near())),
             None => Ok(DevicePart::open()),
         }
     }

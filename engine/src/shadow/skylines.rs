@@ -14,6 +14,7 @@ use glam::{DVec2, DVec3};
 
 use super::device::FieldMaker;
 use super::light::QuantizedLight;
+use super::near::Near;
 use super::site::{Disc, Shadow, Site};
 use crate::gpu::{Gpu, GpuError};
 use crate::grid::{Cell, Grid2};
@@ -128,6 +129,8 @@ impl Skylines {
 pub struct InterpolatedSkylines<'a> {
     pub surface: &'a Surface,
     pub skylines: Skylines,
+    /// What they leave out.
+    pub near: Near,
 }
 
 impl Shadow for InterpolatedSkylines<'_> {
@@ -135,7 +138,8 @@ impl Shadow for InterpolatedSkylines<'_> {
         let level = &self.surface.terrain.faces[site.face].levels[site.level];
         let at_m = site.lifted.truncate();
         let field = self.skylines.field(disc.light, site.face, site.level);
-        let [elevation_rad, slope] = bilinear(level, field, level.grid_from_map(at_m) - level.margin as f64);
+        let far = bilinear(level, field, level.grid_from_map(at_m) - level.margin as f64);
+        let [elevation_rad, slope] = self.near.over(self.surface, site, disc, far);
         line(site, disc, elevation_rad, slope)
     }
 }

@@ -87,7 +87,7 @@ pub fn run(args: Args) -> Outcome {
         search_m: args.search,
         observer_height_m: args.observer_height,
         method: args.method.into(),
-        band: None,
+        ..horizon::Settings::default()
     };
     let mut all = Vec::new();
     let finished = |tile: &Tile| -> Result<(), Box<dyn Error>> {

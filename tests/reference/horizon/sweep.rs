@@ -53,6 +53,57 @@ fn the_sweep_meets_the_trace_on_cratered_terrain() {
     assert!(e.p95_rad.to_degrees() < 0.01 && e.p99_rad.to_degrees() < 0.03, "{e:?}");
 }
 
+/// A swept far field and a traced near one are the traced skyline, as well as a swept whole one is.
+#[test]
+fn what_is_far_is_swept_as_it_is_traced() {
+    let face = cratered(384, 20.0, 1);
+    for near in [8, 16] {
+        let settings = Settings { near, ..Settings::default() };
+        let (tracer, whole) = (Tracer::new(&face, &settings).only_near(), Tracer::new(&face, &Settings::default()));
+        let mut random = Random(7);
+        let mut errors_rad = Vec::new();
+        for azimuth in (0..360).step_by(15) {
+            let direction = settings.direction(azimuth);
+            let sweep = Sweep::new(&face, 0, Major::of(direction), &settings);
+            let (r, plane) = (&sweep.receivers, sweep.elevations_rad(direction));
+            for _ in 0..256 {
+                let [u, v] = [r.majors, r.minors].map(|nodes| (random.next() * nodes as f64) as usize);
+                let foot = sweep.foot(u, v);
+                let [near_rad, expected] = [tracer, whole].map(|t| t.skyline(foot, direction).elevation_rad);
+                errors_rad.push(f64::from(plane[u * r.stride + v]).max(near_rad) - expected);
+            }
+        }
+        let e = report(&format!("beyond {near}"), (ErrorStatistics::of(errors_rad), 0.0));
+        assert!(e.p95_rad.to_degrees() < 0.01 && e.p99_rad.to_degrees() < 0.03, "{near}: {e:?}");
+    }
+}
+
+/// Near and far terrain make the whole skyline, wherever an observer stands and whatever lies around him.
+#[test]
+fn what_is_near_and_what_is_far_make_the_whole_skyline() {
+    let whole = cratered(200, 20.0, 3);
+    let ground = |at: DVec2| 300.0 * (at.x / 900.0).sin() * (at.y / 700.0).cos();
+    let map = lunar_map();
+    let (fine, coarse) = (level(&map, 61, 20.0, DVec2::ZERO, ground), level(&map, 101, 60.0, DVec2::ZERO, ground));
+    let nested = face(map, vec![fine, coarse]);
+    let mut random = Random(11);
+    for face in [&whole, &nested] {
+        let reach_m = 0.45 * (face.levels[0].columns as f64) * 20.0;
+        for index in 0..2000 {
+            let at_m = reach_m * DVec2::new(2.0 * random.next() - 1.0, 2.0 * random.next() - 1.0);
+            let direction = Settings::default().direction((index * 7) % 360);
+            let settings = Settings { near: 1 + index % 16, ..Settings::default() };
+            let far = Tracer::new(face, &settings);
+            let foot = far.foot(at_m).unwrap();
+            let near = far.only_near();
+            let [far, near] = [far, near].map(|tracer| tracer.skyline(foot, direction).elevation_rad);
+            let expected = Tracer::new(face, &Settings::default()).skyline(foot, direction).elevation_rad;
+            assert!((far.max(near) - expected).abs() < 1e-9, "{index}: {near} {far} {expected}");
+            assert!(far <= expected && near <= expected);
+        }
+    }
+}
+
 #[test]
 fn a_raised_observer_is_swept_as_well_as_traced() {
     let settings = Settings { azimuths: 24, observer_height_m: 10.0, ..Settings::default() };

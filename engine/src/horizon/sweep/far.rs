@@ -15,7 +15,6 @@ use std::ops::Range;
 use super::grid::HeightGrid;
 use super::hull::{Hull, LOWEST_M, Point};
 use super::line::{Line, PlacedGrid};
-use super::near::NEAR;
 use super::profile::Profile;
 use super::ray::Ray;
 use crate::horizon::lanes::{LANES, larger, largest};
@@ -45,6 +44,8 @@ pub struct Far<'a> {
     /// The swept level and the coarser ones, placed in the azimuth's coordinates.
     pub levels: Vec<PlacedGrid<'a>>,
     pub profile: Profile,
+    /// Major steps from a receiver before the first row that hulls hold.
+    pub reach: usize,
 }
 
 /// A row of nodes where it is crossed by a block of lines.
@@ -349,7 +350,7 @@ impl<'a> Far<'a> {
         let far: &[f32; LINES] = fine.lanes(row.u + self.ray.sign, row.low + column);
         let (along, rest) = (along as f32, 1.0 - along as f32);
         let x = row.x + along * fine.posting_m as f32;
-        let unseen_m = UNSEEN * NEAR as f32 * fine.posting_m as f32;
+        let unseen_m = UNSEEN * self.reach.max(1) as f32 * fine.posting_m as f32;
         let (mut heights_between_m, mut least_m) = ([0.0; LINES], [0.0; LINES]);
         for k in 0..LINES {
             heights_between_m[k] = rest * near[k] + along * far[k];

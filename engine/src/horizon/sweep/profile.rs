@@ -28,12 +28,15 @@ pub struct Profile {
     sign: isize,
     minor: f64,
     search_steps: f64,
+    /// Steps before this one do not count.
+    near: usize,
     /// `c₂` of a cell with a twist of 1.
     bend: f32,
 }
 
 impl Profile {
-    pub fn new(grid: &HeightGrid, ray: &Ray) -> Self {
+    /// Crossings along an azimuth, those before step `near` left out.
+    pub fn new(grid: &HeightGrid, ray: &Ray, near: usize) -> Self {
         let stride = grid.stride as isize * ray.sign;
         let steps = (0..grid.majors as isize).map(|n| {
             let v = ray.minor * n as f64;
@@ -64,6 +67,7 @@ impl Profile {
             sign: ray.sign,
             minor: ray.minor,
             search_steps: ray.search_steps,
+            near,
             bend: (ray.sign as f64 * ray.minor) as f32,
         }
     }
@@ -86,11 +90,11 @@ impl Profile {
         steps: [usize; 2],
         reach: usize,
     ) -> f32 {
-        if reach == 0 {
+        if reach < self.near.max(1) {
             return NEVER_M;
         }
         let view = View { profile: self, grid, at: grid.at(u as usize, v), observer_m, reach };
-        let [a, b] = steps.map(|step| step.clamp(1, reach));
+        let [a, b] = steps.map(|step| step.clamp(self.near.max(1), reach));
         if a.abs_diff(b) < 2 { view.climb(a) } else { larger(view.climb(a), view.climb(b)) }
     }
 }
@@ -129,7 +133,7 @@ impl View<'_> {
             (top, best) = (top + 1, next);
         }
         if top == from {
-            while top > 1 {
+            while top > self.profile.near.max(1) {
                 let next = self.slope(top - 1);
                 if next <= best {
                     break;
@@ -137,7 +141,9 @@ impl View<'_> {
                 (top, best) = (top - 1, next);
             }
         }
-        best = larger(best, self.inside(top));
+        if top > self.profile.near {
+            best = larger(best, self.inside(top));
+        }
         match self.profile.steps.get(top + 1) {
             Some(_) if top < self.reach => larger(best, self.inside(top + 1)),
             Some(step) => larger(best, self.last(step)),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::shadow::horizon_maps::{At, HorizonMapsOptions, ShadowPreset, Visibility};
 use crate::shadow::mipmaps::MipmapsOptions;
 use crate::shadow::multiscale::MultiscaleOptions;
-use crate::shadow::towards_sun::options::{default_azimuth_step_deg, default_spacing};
+use crate::shadow::towards_sun::options::{NEAR, default_azimuth_step_deg, default_spacing};
 use crate::shadow::towards_sun::{Edge, Search, TowardsSunOptions};
 use crate::shadow::{MethodOptions, registry};
 
@@ -112,8 +112,8 @@ impl Shadows {
                 Self::HorizonMaps(HorizonMapsOptions { at, visibility, coefficients, encoding: None })
             }
             Self::Preset(preset) => preset.options().map_or(Self::Off, Self::HorizonMaps),
-            Self::Swath { azimuth_step_deg } => towards_sun(Search::Swath { azimuth_step_deg }),
-            Self::Sweep { azimuth_step_deg } => towards_sun(Search::Sweep { azimuth_step_deg }),
+            Self::Swath { azimuth_step_deg } => towards_sun(Search::Swath { azimuth_step_deg, near: NEAR }),
+            Self::Sweep { azimuth_step_deg } => towards_sun(Search::Sweep { azimuth_step_deg, near: NEAR }),
             Self::SingleAzimuth { spacing, edge } => towards_sun(Search::SingleAzimuth { spacing, edge }),
             _ => self.clone(),
         }

@@ -10,6 +10,7 @@ use crate::photometry::SolarDisk;
 use crate::shadow::device::{DeviceError, DevicePart};
 use crate::shadow::light::QuantizedLight;
 use crate::shadow::method::{FIELD_BYTES, ShadowMethod};
+use crate::shadow::near::Near;
 use crate::shadow::site::{BoundedShadow, Shadow};
 use crate::shadow::skylines::{InterpolatedSkylines, SkylineSource, Skylines, UnpreparedLight};
 use crate::terrain::Surface;
@@ -41,9 +42,11 @@ impl ShadowMethod for HorizonMaps {
         Ok(Some(match (self.visibility, self.at) {
             (Some(visibility), _) => Box::new(LightingFactors::new(surface, self, visibility, disk, lights)),
             (None, At::Pixels) => Box::new(MapShadow { surface, maps: &self.maps }),
-            (None, At::Nodes) => {
-                Box::new(InterpolatedSkylines { surface, skylines: known.towards(surface, self, lights)? })
-            }
+            (None, At::Nodes) => Box::new(InterpolatedSkylines {
+                surface,
+                skylines: known.towards(surface, self, lights)?,
+                near: Near::NONE,
+            }),
         }))
     }
 

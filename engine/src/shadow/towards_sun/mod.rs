@@ -11,7 +11,7 @@ pub mod single_azimuth;
 pub mod swath;
 mod sweep;
 
-pub use options::{Search, TowardsSunOptions};
+pub use options::{NEAR, Search, TowardsSunOptions};
 pub use single_azimuth::{Edge, SingleAzimuth};
 pub use swath::Swath;
 pub use sweep::Swept;
@@ -26,14 +26,14 @@ pub const FAMILY: Family = Family {
             bench: Bench::Usual,
             hard_cases: true,
             auto: true,
-            options: || by(Search::Swath { azimuth_step_deg: STEP_DEG }),
+            options: || by(Search::Swath { azimuth_step_deg: STEP_DEG, near: NEAR }),
         },
         NamedMethod {
             name: "sweep",
             bench: Bench::Slow,
             hard_cases: true,
             auto: true,
-            options: || by(Search::Sweep { azimuth_step_deg: STEP_DEG }),
+            options: || by(Search::Sweep { azimuth_step_deg: STEP_DEG, near: NEAR }),
         },
         NamedMethod {
             name: "single-azimuth",
@@ -57,9 +57,20 @@ pub const FAMILY: Family = Family {
             options: || by(Search::SingleAzimuth { spacing: 1.0, edge: Edge::Hard }),
         },
     ],
-    patterns: &[],
-    parse: |_| None,
+    patterns: &["swath-POSTINGS", "sweep-POSTINGS"],
+    parse,
 };
+
+/// `swath-16` and its like: another number of postings within which samples look at the terrain themselves.
+fn parse(name: &str) -> Option<Box<dyn MethodOptions>> {
+    let (method, postings) = name.split_once('-')?;
+    let near = postings.parse().ok()?;
+    match method {
+        "swath" => Some(by(Search::Swath { azimuth_step_deg: STEP_DEG, near })),
+        "sweep" => Some(by(Search::Sweep { azimuth_step_deg: STEP_DEG, near })),
+        _ => None,
+    }
+}
 
 fn by(by: Search) -> Box<dyn MethodOptions> {
     Box::new(TowardsSunOptions { by })

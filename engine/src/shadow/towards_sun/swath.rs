@@ -22,6 +22,7 @@ use crate::horizon::{Error, Settings};
 use crate::shadow::fan::{Fan, LitNodes, fans};
 use crate::shadow::light::QuantizedLight;
 use crate::shadow::method::ShadowMethod;
+use crate::shadow::near::Near;
 use crate::shadow::skylines::{Field, SkylineSource, SurfacePoints, UnpreparedLight};
 use crate::terrain::{Surface, Terrain};
 
@@ -32,6 +33,7 @@ pub const MOST_PLANES: usize = 64;
 #[derive(Debug)]
 pub struct Swath {
     strips: Vec<Vec<Vec<Strip>>>,
+    near: Near,
 }
 
 /// The planes of one level towards one light.
@@ -86,7 +88,7 @@ impl Plan {
             }
             strips.push(of_light);
         }
-        Ok(Swath { strips })
+        Ok(Swath { strips, near: Near { postings: settings.near } })
     }
 }
 
@@ -143,6 +145,10 @@ impl ShadowMethod for Swath {
 
     fn skylines(&self) -> Option<&dyn SkylineSource> {
         Some(self)
+    }
+
+    fn near(&self) -> Near {
+        self.near
     }
 }
 

@@ -20,6 +20,7 @@ use crate::horizon::planes::Sweeps;
 use crate::shadow::fan::{Fan, LitNodes};
 use crate::shadow::light::QuantizedLight;
 use crate::shadow::method::ShadowMethod;
+use crate::shadow::near::Near;
 use crate::shadow::skylines::{Field, SkylineSource, SurfacePoints, UnpreparedLight};
 use crate::terrain::Surface;
 
@@ -41,6 +42,10 @@ impl ShadowMethod for Swept {
 
     fn skylines(&self) -> Option<&dyn SkylineSource> {
         Some(self)
+    }
+
+    fn near(&self) -> Near {
+        Near { postings: self.settings.near }
     }
 }
 
