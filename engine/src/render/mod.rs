@@ -22,7 +22,8 @@ mod session;
 pub mod view;
 
 pub use bounce::Bounce;
-pub use diffuse::Diffuse;
+pub use bounced_light::BouncedLight;
+pub use diffuse::{Diffuse, sky_reflectance};
 pub use error::RenderError;
 pub use image::{Image, Plane, Quantity};
 pub use imaging::{Capture, Imaging, Timing};

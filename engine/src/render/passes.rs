@@ -13,6 +13,8 @@ mod starts;
 mod uncertain;
 mod upload;
 
+use std::convert::Infallible;
+use std::sync::Arc;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -30,11 +32,11 @@ use upload::PackedLevel;
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
 use super::recent::Recent;
-use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference};
+use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference, sky_reflectance};
 use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, workgroups};
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
+use crate::photometry::{REFLECTANCE_WGSL, Reflectance, SOLAR_DISK_WGSL, SkyReflectance};
 use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
 use crate::shadow::field_pages::page_bits;
 use crate::shadow::{Skylines, UnpreparedLight};
@@ -62,6 +64,7 @@ pub struct Passes {
     constants: Vec<Constant>,
     programs: Recent<Vec<Constant>, ComputePipeline>,
     tables: Recent<Rays, Table>,
+    skies: Recent<Reflectance, Option<Arc<SkyReflectance>>>,
     disk_tables: Buffer,
     ground: DeviceGround,
     /// What the shadow method's WGSL reads, and where each level lies in it.
@@ -78,6 +81,9 @@ type Constant = (&'static str, f64);
 
 /// Programs that are kept. Views differ in few of the numbers that a program is made for.
 const PROGRAMS: usize = 16;
+
+/// Laws whose reflection of the sky is kept.
+const SKIES: usize = 16;
 
 /// Bytes of rays' directions that are kept, and what a table counts for at least.
 const TABLE_BYTES: usize = 512 << 20;
@@ -116,8 +122,8 @@ impl Passes {
         let mut constants = vec![
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("SKY_W_M2", Diffuse::unit_w_m2(scene)),
-            ("BARE_SKY", Diffuse::bare_share(scene)),
+            ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| ambient.irradiance_w_m2())),
+            ("BOUNCES", f64::from(u8::from(scene.bounce.is_some()))),
         ];
         constants.extend(scene.disk.constants());
         if fields.is_some() {
@@ -138,6 +144,7 @@ impl Passes {
             constants,
             programs: Recent::new(PROGRAMS),
             tables: Recent::new(TABLE_BYTES),
+            skies: Recent::new(SKIES),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             method_buffers: buffers,
@@ -155,13 +162,14 @@ impl Passes {
             Some(_) => reference::shadow(scene, view, &self.found_on_host(scene, view)?)?,
             None => None,
         };
-        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-        let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, diffuse.as_ref())?;
+        let sky = self.sky_reflectance(scene, &view.reflectance);
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref(), sky);
+        let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, &diffuse)?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
         let centres = if rays.centres { self.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        trace_uncertain(scene, rays, view, diffuse.as_ref(), &mut samples);
+        trace_uncertain(scene, rays, view, &diffuse, &mut samples);
         Ok(samples)
     }
 
@@ -181,6 +189,13 @@ impl Passes {
         CacheSize { programs: self.programs.len(), tables: self.tables.len() }
     }
 
+    /// How a law reflects the scene's sky; it is found once.
+    fn sky_reflectance(&mut self, scene: &Scene, law: &Reflectance) -> Option<Arc<SkyReflectance>> {
+        let make = |law: &Reflectance| Ok::<_, Infallible>((sky_reflectance(scene, law).map(Arc::new), 1));
+        let Ok(sky) = self.skies.get_or_make(*law, make);
+        sky.clone()
+    }
+
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
     fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, UnpreparedLight> {
         match &mut self.skylines {
@@ -194,11 +209,13 @@ impl Passes {
         scene: &Scene,
         rays: &Rays,
         view: &View,
-        diffuse: Option<&Diffuse>,
+        diffuse: &Diffuse,
     ) -> Result<Dispatched, RenderError> {
         let gpu = &self.gpu;
-        let bounced = diffuse.filter(|_| scene.bounce.is_some());
-        let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
+        let bounced = diffuse.bounced.as_ref().map_or_else(Vec::new, |light| light.table());
+        let bounced = gpu.storage("bounced light", &bounced);
+        let sky = gpu.storage("sky reflectance", &diffuse.sky_table());
+        let bounced_places = scene.bounce.as_ref().map_or_else(Vec::new, |bounce| bounce.places());
         let lights_on_raster = view.quantized_lights();
         let finding =
             self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &lights_on_raster)).transpose()?;
@@ -207,6 +224,7 @@ impl Passes {
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
         let placed = |(index, level): (usize, &PackedLevel)| {
             let centred = level.centred(scene, view);
+            let centred = bounced_places.get(index).map_or(centred, |place| centred.with_bounced(*place));
             let placed = self.method_texels.get(index).map_or(centred, |texels| centred.with_texels(texels));
             self.skylines.as_ref().map_or(placed, |skylines| skylines.placed(placed, index))
         };
@@ -250,9 +268,11 @@ impl Passes {
                 &pixels_out,
                 &centres_out,
                 &self.ground.gradients[1],
-                bounced.as_ref().unwrap_or(&self.ground.skies),
+                &self.ground.skies,
                 &starts.window,
                 &starts.depths,
+                &sky,
+                &bounced,
             ];
             let buffers = (0..).zip(of_method.clone()).chain((BINDINGS as u32..).zip(own)).collect::<Vec<_>>();
             let spent = gpu.run_bound(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
