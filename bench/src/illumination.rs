@@ -28,7 +28,7 @@ use perilune_engine::horizon::{self, Encoding, Request, Settings};
 use perilune_engine::illumination::area::MinMeanMax;
 use perilune_engine::illumination::maps::needed_blocks;
 use perilune_engine::illumination::{Area, Lit, Maps, Skylines, Study, Swept, Traced, Track, best_places};
-use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk, VISIBLE_NM};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::terrain::{Face, Level, Pyramid};
 
@@ -108,7 +108,6 @@ const AZIMUTHS: usize = 720;
 /// The ridge's model reaches so far from the place; beyond it lies the cap's.
 const RIDGE_M: f64 = 15_000.0;
 const CAP_M: f64 = 320_000.0;
-const WAVELENGTH_NM: f64 = 550.0;
 
 /// The files of a longer span than the default kernels have.
 pub const KERNELS: [&str; 5] = [
@@ -188,7 +187,7 @@ fn track(almanac: &Almanac, scene: &Scene, span: &Span) -> Result<Track, Error> 
 }
 
 fn disk() -> Result<SolarDisk, Error> {
-    Ok(SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?)
+    Ok(SolarDisk::new(LimbDarkening::hestroffer_magnan(VISIBLE_NM)?)?)
 }
 
 /// What all kinds of skylines are tried on.

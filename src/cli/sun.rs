@@ -2,10 +2,10 @@
 
 use hifitime::{Duration, Epoch, Unit};
 use perilune_engine::ephemeris::{
-    Almanac, BodyFrame, Horizontal, Source, earth, horizontal, parse_epoch, sun, utc_text,
+    Almanac, BodyFrame, Horizontal, MOON, Source, earth, horizontal, parse_epoch, sun, utc_text,
 };
 use perilune_engine::geometry::{BodyFixed, Direction, Geodetic, Position};
-use perilune_engine::photometry::LimbDarkening;
+use perilune_engine::photometry::{LimbDarkening, VISIBLE_NM};
 use perilune_engine::pipeline::lights::sun_left_by_earth;
 use perilune_engine::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 use serde_json::json;
@@ -69,12 +69,6 @@ struct Row {
     /// Between the directions from the body's centre to the Sun and to the Earth.
     phase_rad: f64,
 }
-
-/// SPICE id of the only body that the Earth's shadow reaches.
-const MOON: i32 = 301;
-
-/// The visible light that limb darkening is taken for.
-const WAVELENGTH_NM: f64 = 550.0;
 
 pub fn run(args: Args) -> Outcome {
     let almanac = args.kernels.almanac()?;
@@ -225,7 +219,7 @@ impl Row {
             [sun(almanac, frame, centre, epoch)?, earth(almanac, frame, centre, epoch)?].map(|seen| seen.direction);
         let (sun, earth) = (sun(almanac, frame, point, epoch)?, earth(almanac, frame, point, epoch)?);
         let sunlight = match frame.body.naif_id {
-            MOON => sun_left_by_earth(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?, &sun, &earth),
+            MOON => sun_left_by_earth(LimbDarkening::hestroffer_magnan(VISIBLE_NM)?, &sun, &earth),
             _ => 1.0,
         };
         Ok(Self {

@@ -70,6 +70,12 @@ const STRUCTURE: &[Case] = &[
         "band_nm: (300, 700), columns: 64,",
         "10:23: camera.band_nm reaches from 300 to 700 nm; TSIS-1 HSRS v2, 1 nm has 350 to 2500 nm",
     ),
+    Case(
+        "a phase function beside a law that has its own",
+        "photometry: Lambert,",
+        "photometry: HapkeMoon, phase_function: Moon,",
+        "4:54: surface.phase_function needs a model without a phase function of its own",
+    ),
     Case("missing key", "rows: 48, ", "", "10:13: camera.rows is missing"),
     Case(
         "missing section",

@@ -14,7 +14,8 @@ fn shipped(name: &str) -> Scenario {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
     let text = std::fs::read_to_string(&path).expect("the scenario ships");
     let data = tempfile::TempDir::new().expect("a folder");
-    for quoted in text.split('"').filter(|text| text.starts_with("dem/") || text.starts_with("kernels/")) {
+    let ends = [".tif", ".IMG", ".LBL", ".bsp", ".bpc", ".tf", ".tpc", ".epa"];
+    for quoted in text.split('"').filter(|quoted| ends.iter().any(|end| quoted.ends_with(end))) {
         let file = data.path().join(quoted);
         std::fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
         std::fs::write(file, "").expect("a file");

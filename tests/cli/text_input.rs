@@ -114,7 +114,7 @@ fn a_scenario_with_byte_order_mark_and_other_line_ends_is_read() {
         let said = said_of(&Run::of(&format!("\u{feff}{text}")));
         assert!(!said.contains("expected opening") && !said.contains("error"), "{said}");
     }
-    let said = said_of(&Run::of(&SMALL.replacen("(", "(body: \"sub\\dem.tif\",", 1)));
+    let said = said_of(&Run::of(&SMALL.replacen("title: \"", "title: \"sub\\dem.tif ", 1)));
     assert!(said.contains("paths are written with /"), "{said}");
 }
 

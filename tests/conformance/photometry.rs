@@ -356,7 +356,7 @@ fn reflectance_comparisons() -> Vec<Comparison> {
             "phase_function",
             &format!("y[0] = phase_function({}, x[0]);", parameters(&lunar())),
             [spread(1000, &[(0.0, 3.15)]), spread(200, &[(0.0, 0.1)])].concat(),
-            (1e-4, 1e-3),
+            (0.0, 2e-5),
             |x| {
                 let (p, g) = (lunar().parameters(), x[0].min(130f64.to_radians()));
                 let powers = [p.phase_linear, p.phase_square, p.phase_cube, p.phase_fourth].map(f64::from);
@@ -371,7 +371,7 @@ fn reflectance_comparisons() -> Vec<Comparison> {
             "lroc_nac_2019",
             "y[0] = lroc_nac_2019(x[0], x[1], x[2]);",
             spread(1000, &[(0.01, 1.0), (0.01, 1.0), (0.0, 180.0)]),
-            (1e-4, 1e-3),
+            (0.0, 2e-5),
             |x| {
                 let exponent = -1.479654495 - 8.3528e-5 * x[2] * x[2] + 0.012964707 * x[2] - 0.237774774 * x[2].sqrt()
                     + 0.556075496 * x[1]

@@ -17,7 +17,7 @@ const COLUMN: usize = 41;
 fn dataset() -> PathBuf {
     static RUN: OnceLock<Run> = OnceLock::new();
     let run = RUN.get_or_init(|| {
-        let formats = "planes: [radiance, depth, latitude], formats: [Png16, Fits, Npz, Coco, CraterChallenge, GeoTiff, Kitti, Tum, Oem, Aem]";
+        let formats = "planes: [radiance, depth, latitude], formats: [Exr, Png16, Fits, Npz, Coco, CraterChallenge, GeoTiff, Kitti, Tum, Oem, Aem]";
         let scenario = SMALL.replace("planes: [radiance, sun_fraction, depth, dem_gap]", formats);
         let run = Run::of(&scenario.replace("outputs:", "landmarks: (), outputs:"));
         run.succeed(&[]);

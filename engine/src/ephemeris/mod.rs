@@ -34,6 +34,6 @@ pub use error::EphemerisError;
 pub use hifitime::Epoch;
 pub use kernel::{Format, Kernel};
 pub use manifest::{KnownFile, known_file, known_files};
-pub use names::{body_id, body_name, frame_name};
+pub use names::{MOON, body_id, body_name, frame_name};
 pub use shipped::{DEFAULT_KERNELS, KernelSource, ShippedKernel, default_kernels};
 pub use sun::{EARTH_RADIUS_M, Horizontal, Source, apparent, earth, horizontal, sun};

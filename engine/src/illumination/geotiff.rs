@@ -34,7 +34,7 @@ impl Maps {
             ("earth_share", "1", &self.earth_share),
         ];
         // A level that is coarser than its model has cells of several pixels.
-        let times = (on.level.posting_m / (dem.pixel_size() * dem.metres_per_unit())).round().max(1.0);
+        let times = (on.level.posting_m / dem.posting_m()).round().max(1.0);
         let whole = dem.north_up(dem_columns, times)?;
         let known = (0..self.lit_share.len()).filter(|node| self.lit_share[*node].is_finite());
         let pixels = whole.projector()?.pixels(&known.map(|node| self.position(on, node)).collect::<Vec<_>>());

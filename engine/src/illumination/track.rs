@@ -6,7 +6,7 @@ use hifitime::{Duration, Epoch};
 use crate::ephemeris::{Almanac, BodyFrame, EphemerisError, Source, earth, sun};
 use crate::geometry::{BodyFixed, Position};
 use crate::photometry::LimbDarkening;
-use crate::photometry::eclipse::{EARTH_SHADOW, share_left};
+use crate::photometry::eclipse::share_left_by_earth;
 
 /// A disc in the sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,9 +52,8 @@ impl Track {
     /// With the Earth hiding the Sun where it stands before it, as on the Moon alone.
     pub fn with_eclipses(mut self, law: LimbDarkening) -> Self {
         for ((sun, earth), left) in self.sun.iter().zip(&self.earth).zip(&mut self.sunlight) {
-            let shadow_rad = (EARTH_SHADOW * earth.angular_radius_rad.sin()).min(1.0).asin();
             let apart_rad = sun.towards.angle_between(earth.towards);
-            *left = share_left(law, sun.angular_radius_rad, shadow_rad, apart_rad);
+            *left = share_left_by_earth(law, sun.angular_radius_rad, earth.angular_radius_rad.sin(), apart_rad);
         }
         self
     }

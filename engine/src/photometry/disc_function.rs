@@ -82,11 +82,6 @@ impl DiscFunction {
             Self::Akimov { smoothness } => (5.0, smoothness),
         }
     }
-
-    /// Whether the law itself says how brightness falls with the phase angle, so that it takes no phase function.
-    pub fn is_lambert(&self) -> bool {
-        matches!(self, Self::Lambert)
-    }
 }
 
 /// Share of the Lommel–Seeliger term for the Moon; the fit turns negative beyond 104°, where 0 is taken.

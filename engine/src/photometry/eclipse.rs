@@ -9,7 +9,7 @@
 //!
 //! The integral is cut where `φ` starts and ends, over `ρ = sin θ`: good to 1e-9.
 //!
-//! Around the Moon the other disc is the Earth's with its atmosphere, [`EARTH_SHADOW`] times its own radius. Danjon's rule is
+//! Around the Moon the other disc is the Earth's with its atmosphere, `EARTH_SHADOW` times its own radius. Danjon's rule is
 //! that of published contact times, and a choice: they vary by half a minute between rules.
 //!
 //! # Assumptions
@@ -25,10 +25,16 @@ use super::LimbDarkening;
 use super::quadrature::{gauss_legendre, integrate};
 
 /// The Earth that casts a shadow over its own equatorial radius (Danjon 1951).
-pub const EARTH_SHADOW: f64 = 1.01;
+const EARTH_SHADOW: f64 = 1.01;
 
 /// Points between two corners of the integrand.
 const POINTS: usize = 32;
+
+/// Share of the Sun's light that the Earth with its atmosphere leaves, with their centres `apart_rad` apart; `earth_sine`
+/// is the sine of the Earth's angular radius, its own radius over its distance.
+pub fn share_left_by_earth(law: LimbDarkening, sun_rad: f64, earth_sine: f64, apart_rad: f64) -> f64 {
+    share_left(law, sun_rad, (EARTH_SHADOW * earth_sine).min(1.0).asin(), apart_rad)
+}
 
 /// Share of the light of a disc of radius `behind_rad` that a disc of radius `front_rad` in front of it leaves, with their
 /// centres `apart_rad` apart.

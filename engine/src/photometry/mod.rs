@@ -35,6 +35,9 @@ pub use solar_disk::{DiskLight, SolarDisk};
 pub use spectrum::{BandLight, SolarSpectrum};
 pub use tangent_plane::{Facet, HorizonLine, SunAxes};
 
+/// The middle of the visible light, for which limb darkening and photons stand where no band is named.
+pub const VISIBLE_NM: f64 = 550.0;
+
 /// Functions `horizon_line` and `disk_light`; wants a storage binding `disk_tables: array<f32>`.
 pub const SOLAR_DISK_WGSL: &str = include_str!("solar_disk.wgsl");
 

@@ -108,9 +108,13 @@ impl Reflectance {
 
     /// An empirical law with the Moon's phase function: its sphere is as bright as ROLO saw the Moon, but for the albedo.
     pub fn lunar(normal_albedo: f64, disc: DiscFunction) -> Result<Self, PhotometryError> {
+        Ok(Self::Empirical { normal_albedo, disc, phase: Self::lunar_phase(disc)? })
+    }
+
+    /// The Moon's phase function for a disc function. It takes some 100 integrals over the disc, 20 ms.
+    pub fn lunar_phase(disc: DiscFunction) -> Result<PhaseFunction, PhotometryError> {
         let law = Self::empirical(1.0, disc);
-        let phase = PhaseFunction::of_the_moon(|phase_rad| law.disc_reflectance(phase_rad))?;
-        Ok(Self::Empirical { normal_albedo, disc, phase })
+        PhaseFunction::of_the_moon(|phase_rad| law.disc_reflectance(phase_rad))
     }
 
     /// Checks every parameter against the law's domain.

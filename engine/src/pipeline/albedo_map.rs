@@ -55,7 +55,7 @@ pub fn look_at_albedo(path: &Path, reading: &Reading, body: &Body) -> Result<Vec
     Ok(survey.findings.into_iter().map(|finding| format!("{}: {finding}", file_name(path))).collect())
 }
 
-fn options(reading: &Reading) -> Options {
+pub(super) fn options(reading: &Reading) -> Options {
     Options { reading: reading.clone(), values: Values::Height, content: Content::Albedo, ..Options::default() }
 }
 

@@ -18,7 +18,7 @@ pub use signal::SignalFacts;
 use super::device;
 use super::models::{Extent, ModelFacts};
 use super::warnings::{self, Places, Warning};
-use super::{Error, Exposure, auto, scene};
+use super::{Error, Exposure, albedo_map, auto, scene};
 use crate::gpu::{Adapter, Gpu};
 use crate::raster;
 use crate::render::Scene;
@@ -118,8 +118,9 @@ impl Looker {
             Albedo::SingleScattering(path, reading) => Some((path, reading, 0.0)),
         };
         let read = |(path, reading, scale): (&std::path::PathBuf, &raster::Reading, f64)| -> Result<AlbedoMap, Error> {
-            let options =
-                raster::Options { content: raster::Content::Albedo, reading: reading.clone(), ..Default::default() };
+            let levels = surface.terrain.faces.iter().flat_map(|face| &face.levels);
+            let finest_m = levels.map(|level| level.posting_m).reduce(f64::min);
+            let options = raster::Options { posting_m: finest_m, ..albedo_map::options(reading) };
             Ok(AlbedoMap { dem: raster::Dem::open(path, &scenario.body, &options)?, scale })
         };
         let albedo = albedo.map(read).transpose()?;

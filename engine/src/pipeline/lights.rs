@@ -21,12 +21,9 @@ use hifitime::{Epoch, Unit};
 use super::{Error, scene};
 use crate::ephemeris::{self, Almanac, BodyFrame, EARTH_RADIUS_M, EphemerisError, Source};
 use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
-use crate::photometry::eclipse::{EARTH_SHADOW, lambert_sphere, share_left};
+use crate::photometry::eclipse::{lambert_sphere, share_left_by_earth};
 use crate::render::Light;
 use crate::scenario::Scenario;
-
-/// SPICE id of the only body that the Earth's shadow reaches.
-const MOON: i32 = 301;
 
 /// All that decides about the lights.
 #[derive(Debug)]
@@ -96,7 +93,7 @@ impl Sky<'_> {
     /// The share of the Sun's light that the Earth leaves to the Moon.
     fn eclipse_share(&self, epoch: Epoch, sun: &Source) -> Result<Option<f64>, Error> {
         let asked = self.scenario.sun.eclipses && self.scenario.sun.fixed.is_none();
-        if !asked || self.frame.body.naif_id != MOON {
+        if !asked || self.frame.body.naif_id != ephemeris::MOON {
             return Ok(None);
         }
         let earth = match ephemeris::earth(self.almanac, self.frame, self.reference(), epoch) {
@@ -110,8 +107,8 @@ impl Sky<'_> {
 
 /// The share of the Sun's light that the Earth with its atmosphere leaves where both are seen so.
 pub fn sun_left_by_earth(law: crate::photometry::LimbDarkening, sun: &Source, earth: &Source) -> f64 {
-    let shadow_rad = (EARTH_SHADOW * EARTH_RADIUS_M / earth.distance_m).min(1.0).asin();
-    share_left(law, sun.angular_radius_rad, shadow_rad, sun.direction.angle_to(earth.direction))
+    let apart_rad = sun.direction.angle_to(earth.direction);
+    share_left_by_earth(law, sun.angular_radius_rad, EARTH_RADIUS_M / earth.distance_m, apart_rad)
 }
 
 /// Irradiance by the Earth as a Lambert sphere of geometric albedo `albedo`.

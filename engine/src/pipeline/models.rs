@@ -59,7 +59,7 @@ impl ModelFacts {
         Ok(Self {
             name,
             crs: georeference.figure.name.clone(),
-            posting_m: georeference.pixel_size() * georeference.metres_per_unit(),
+            posting_m: georeference.posting_m(),
             columns,
             rows,
             extent: Extent::of_raster(body, georeference, [columns, rows])?,

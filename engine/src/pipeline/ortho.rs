@@ -113,7 +113,7 @@ impl Grid {
             let Some((first, [columns, rows])) = cells_around(whole.projector()?.pixels(&places)) else {
                 return Ok(None);
             };
-            let cell_m = whole.pixel_size() * whole.metres_per_unit();
+            let cell_m = whole.posting_m();
             let grid = Self { georeference: whole.from_cell(first, columns)?, cell_m, columns, rows };
             Ok(Some((grid, columns.max(rows) as f64 / most_cells)))
         };
@@ -123,7 +123,7 @@ impl Grid {
                 let cell_m = two_digits(cell_m);
                 return Ok(Georeference::new(&crs, [0.0, cell_m, 0.0, 0.0, 0.0, -cell_m], 1)?);
             };
-            let pixel_m = georeference.pixel_size() * georeference.metres_per_unit();
+            let pixel_m = georeference.posting_m();
             Ok(georeference.north_up(*columns, 2_f64.powf((cell_m / pixel_m).log2().ceil()))?)
         };
         match on(with_cells(side_m)?)? {

@@ -5,17 +5,13 @@ use std::path::Path;
 use super::Error;
 use crate::camera::{Camera as Optics, Detector, Distortion, Kernel, Pose, Psf};
 use crate::horizon::{self, HorizonMap};
-use crate::photometry::{DiscFunction, Hapke, LimbDarkening, MultipleScattering, Reflectance, SolarDisk};
+use crate::photometry::{Hapke, LimbDarkening, Reflectance, SolarDisk, VISIBLE_NM};
 use crate::raster::Picture;
 use crate::render::{self, AlbedoRole, Imaging, Light, Timing, View};
-use crate::scenario::spec::PhaseFunction;
 use crate::scenario::{Albedo, Ambient, LimbDarkened, LimbLaw, Photometry, Scenario, Sky};
 use crate::shadow::multiscale::Multiscale;
 use crate::shadow::sky::{self, AllRound, FromMaps, Harmonic};
 use crate::terrain::{Face, Surface};
-
-/// Wavelength of the photons that a detector counts where the scenario names no band.
-const BROADBAND_WAVELENGTH_M: f64 = 550e-9;
 
 /// Pitch of the detector's pixels where the scenario gives a field of view only.
 const DEFAULT_PIXEL_PITCH_M: f64 = 5e-6;
@@ -115,7 +111,7 @@ pub fn detector(scenario: &Scenario) -> Result<Option<Detector>, Error> {
     let detector = Detector {
         exposure_s: camera.exposure_s,
         pixel_pitch_m: camera.pixel_pitch_m.unwrap_or(DEFAULT_PIXEL_PITCH_M),
-        wavelength_m: scenario.band.as_ref().map_or(BROADBAND_WAVELENGTH_M, |band| band.wavelength_nm * 1e-9),
+        wavelength_m: scenario.band.as_ref().map_or(VISIBLE_NM, |band| band.wavelength_nm) * 1e-9,
         quantum_efficiency: written.quantum_efficiency,
         dark_current_e_s: written.dark_current_e_per_s,
         read_noise_e: written.read_noise_e,
@@ -180,42 +176,17 @@ pub fn albedo_role(scenario: &Scenario) -> AlbedoRole {
 }
 
 pub fn reflectance(scenario: &Scenario) -> Result<Reflectance, Error> {
-    let normal_albedo = match &scenario.albedo {
-        Albedo::Constant(albedo) => *albedo,
-        Albedo::Map(..) | Albedo::SingleScattering(..) => SCALED_ALBEDO,
+    let constant = match &scenario.albedo {
+        Albedo::Constant(albedo) => Some(*albedo),
+        Albedo::Map(..) | Albedo::SingleScattering(..) => None,
     };
-    let empirical = |disc| match scenario.phase_function {
-        PhaseFunction::Moon => Reflectance::lunar(normal_albedo, disc),
-        PhaseFunction::Constant => Ok(Reflectance::empirical(normal_albedo, disc)),
-    };
-    let scale = match &scenario.albedo {
-        Albedo::Constant(scale) => *scale,
-        Albedo::Map(..) | Albedo::SingleScattering(..) => 1.0,
-    };
-    let hapke = |set: Hapke| Reflectance::Hapke(Hapke { scale, ..set });
+    let scale = constant.unwrap_or(1.0);
     let reflectance = match scenario.photometry {
-        Photometry::Lambert => empirical(DiscFunction::Lambert)?,
-        Photometry::LommelSeeliger => empirical(DiscFunction::LommelSeeliger)?,
-        Photometry::LunarLambert => empirical(DiscFunction::LunarLambert)?,
-        Photometry::Minnaert { k } => empirical(DiscFunction::Minnaert { exponent: k })?,
-        Photometry::Akimov { eta } => empirical(DiscFunction::Akimov { smoothness: eta })?,
+        Photometry::Empirical { disc, phase } => {
+            Reflectance::Empirical { normal_albedo: constant.unwrap_or(SCALED_ALBEDO), disc, phase }
+        }
         Photometry::LrocNac2019 => Reflectance::LrocNac2019 { scale },
-        Photometry::HapkeMoon => hapke(Hapke::moon()),
-        Photometry::HapkeMars => hapke(Hapke::mars()),
-        Photometry::HapkeMercury => hapke(Hapke::mercury()),
-        Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad, phi } => hapke(Hapke {
-            single_scattering_albedo: w,
-            asymmetry: b,
-            backscatter: c,
-            shadow_hiding_amplitude: bs0,
-            shadow_hiding_width: hs,
-            coherent_amplitude: bc0,
-            coherent_width: hc,
-            mean_slope_rad: theta_bar_rad,
-            filling_factor: phi,
-            multiple_scattering: MultipleScattering::Hapke2002,
-            scale,
-        }),
+        Photometry::Hapke(set) => Reflectance::Hapke(Hapke { scale, ..set }),
     };
     reflectance.check()?;
     Ok(reflectance)

@@ -189,10 +189,10 @@ impl Tally {
             return Err(Error::NoAlbedo { path, stored, count, column, row, wrong, pixels, hint });
         }
         let value_m = numbers.value(stored);
-        let body = body.into();
+        let [column, row] = [column, row].map(|place| place as u32);
         Err(Error::Implausible {
             path,
-            body,
+            body: body.into(),
             stored,
             value_m,
             count,

@@ -36,7 +36,7 @@ fn resolved(written: &spec::Camera, isd: Option<Box<Isd>>, check: &mut Check) ->
     }
     let exposed_rows = shutter.exposed_rows(rows);
     let middle = [f64::from(columns) / 2.0, f64::from(exposed_rows) / 2.0];
-    let focal_length_px = if isd.is_some() { 1.0 } else { focal_length_px(written, columns, check) };
+    let focal_length_px = if written.isd.is_some() { 1.0 } else { focal_length_px(written, columns, check) };
     Camera {
         columns,
         rows,

@@ -5,14 +5,11 @@ use std::path::PathBuf;
 use super::check::Check;
 use super::resolved::{FixedSun, LimbDarkened, Passband, Sun};
 use super::spec::{self, Spec};
-use crate::photometry::{Curve, SolarSpectrum};
+use crate::photometry::{Curve, SolarSpectrum, VISIBLE_NM};
 use crate::quantity::{ASTRONOMICAL_UNIT_M, TOTAL_SOLAR_IRRADIANCE_W_M2};
 
 /// From the ultraviolet to the thermal infrared, where reflected sunlight ends.
 const BAND_NM: [f64; 2] = [100.0, 20_000.0];
-
-/// Where the limb is taken from for a camera without a band: the middle of the visible.
-const BANDLESS_NM: f64 = 550.0;
 
 /// What a Sun of given irradiance is called in records.
 const GIVEN: &str = "as given";
@@ -114,7 +111,7 @@ fn through(
 
 fn limb_darkening(disc: &spec::Disc, band: Option<&Passband>) -> Option<LimbDarkened> {
     let spec::Disc::LimbDarkened { wavelength_nm, law } = *disc else { return None };
-    let wavelength_nm = wavelength_nm.or(band.map(|band| band.wavelength_nm)).unwrap_or(BANDLESS_NM);
+    let wavelength_nm = wavelength_nm.or(band.map(|band| band.wavelength_nm)).unwrap_or(VISIBLE_NM);
     Some(LimbDarkened { law, wavelength_m: wavelength_nm * 1e-9 })
 }
 

@@ -44,7 +44,7 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
     );
     world::lights_of_globe(spec, check);
     let horizon = world::horizon(&spec.horizon, check);
-    let phase_function = world::phase_function(spec, check);
+    let photometry = world::photometry(spec, check);
     let (sun, band) = light::light(spec, has_terrain, check);
     let mut scenario = Scenario {
         path: path.to_path_buf(),
@@ -61,9 +61,8 @@ fn scenario(path: &Path, text: &str, spec: &Spec, check: &mut Check) -> Scenario
         horizon,
         refine: spec.refine,
         view_rays: spec.view_rays,
-        photometry: (&spec.surface.photometry).into(),
-        phase_function,
-        albedo: world::albedo(&spec.surface, phase_function, check),
+        albedo: world::albedo(&spec.surface, &photometry, check),
+        photometry,
         sun,
         band,
         earthshine_albedo: spec.earthshine.map(|earthshine| earthshine.albedo),

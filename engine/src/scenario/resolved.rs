@@ -12,7 +12,7 @@ use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
 use crate::labels::Wanted;
-use crate::photometry::Curve;
+use crate::photometry::{Curve, DiscFunction, Hapke, PhaseFunction};
 use crate::raster::Reading;
 use crate::render::ViewRays;
 
@@ -49,8 +49,6 @@ pub struct Scenario {
     pub refine: bool,
     pub view_rays: ViewRays,
     pub photometry: Photometry,
-    /// Of the empirical laws; the others have their own.
-    pub phase_function: spec::PhaseFunction,
     pub albedo: Albedo,
     pub sun: Sun,
     /// `None`: all wavelengths.
@@ -153,28 +151,18 @@ pub struct Horizon {
     pub band: bool,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+/// A law of reflection without its albedo.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Photometry {
-    Lambert,
-    LommelSeeliger,
-    LunarLambert,
-    Minnaert { k: f64 },
-    Akimov { eta: f64 },
+    Empirical { disc: DiscFunction, phase: PhaseFunction },
     LrocNac2019,
-    HapkeMoon,
-    HapkeMars,
-    HapkeMercury,
-    Hapke { w: f64, b: f64, c: f64, bs0: f64, hs: f64, bc0: f64, hc: f64, theta_bar_rad: f64, phi: f64 },
+    Hapke(Hapke),
 }
 
 impl Photometry {
     /// Whether its reflectance is its own, so that an albedo multiplies it and a phase function would be a second one.
     pub fn is_absolute(&self) -> bool {
-        self.is_hapke() || matches!(self, Self::LrocNac2019)
-    }
-
-    pub fn is_hapke(&self) -> bool {
-        matches!(self, Self::HapkeMoon | Self::HapkeMars | Self::HapkeMercury | Self::Hapke { .. })
+        !matches!(self, Self::Empirical { .. })
     }
 }
 
@@ -352,23 +340,4 @@ pub enum CraterList {
     /// Of the made models of the terrain.
     Terrain,
     File(PathBuf),
-}
-
-impl From<&spec::Photometry> for Photometry {
-    fn from(written: &spec::Photometry) -> Self {
-        match *written {
-            spec::Photometry::Lambert => Self::Lambert,
-            spec::Photometry::LommelSeeliger => Self::LommelSeeliger,
-            spec::Photometry::LunarLambert => Self::LunarLambert,
-            spec::Photometry::Minnaert { k } => Self::Minnaert { k },
-            spec::Photometry::Akimov { eta } => Self::Akimov { eta },
-            spec::Photometry::LrocNac2019 => Self::LrocNac2019,
-            spec::Photometry::HapkeMoon => Self::HapkeMoon,
-            spec::Photometry::HapkeMars => Self::HapkeMars,
-            spec::Photometry::HapkeMercury => Self::HapkeMercury,
-            spec::Photometry::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_deg, phi } => {
-                Self::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_rad: theta_bar_deg.to_radians(), phi }
-            }
-        }
-    }
 }

@@ -6,6 +6,7 @@ use super::spec::{self, Spec};
 use crate::ephemeris::KernelSource;
 use crate::geometry::{Body, Geodetic};
 use crate::horizon::Encoding;
+use crate::photometry::{DiscFunction, Hapke, MultipleScattering, PhaseFunction, Reflectance};
 use crate::raster::{self, Reading};
 use crate::shadow::method::Flaw;
 
@@ -218,30 +219,64 @@ pub fn shadows(written: &spec::Shadows, encoding: Encoding, check: &mut Check) -
     written.current()
 }
 
-/// The phase function that is written, or that the body and the reflectance model imply.
-pub fn phase_function(spec: &Spec, check: &mut Check) -> spec::PhaseFunction {
-    let photometry = Photometry::from(&spec.surface.photometry);
-    let has_own = photometry.is_absolute() && spec.surface.phase_function.is_some();
-    check.needs(!has_own, "surface.phase_function", "needs a model without a phase function of its own");
-    let lunar = spec.body == spec::Body::Moon && photometry != Photometry::Lambert;
-    let implied = if lunar { spec::PhaseFunction::Moon } else { spec::PhaseFunction::Constant };
-    spec.surface.phase_function.unwrap_or(implied)
+/// The law of reflection, with the phase function that is written or that the body and the law imply.
+pub fn photometry(spec: &Spec, check: &mut Check) -> Photometry {
+    use spec::Photometry as Law;
+    let photometry = match spec.surface.photometry {
+        Law::Lambert => empirical(DiscFunction::Lambert, spec, check),
+        Law::LommelSeeliger => empirical(DiscFunction::LommelSeeliger, spec, check),
+        Law::LunarLambert => empirical(DiscFunction::LunarLambert, spec, check),
+        Law::Minnaert { k } => empirical(DiscFunction::Minnaert { exponent: k }, spec, check),
+        Law::Akimov { eta } => empirical(DiscFunction::Akimov { smoothness: eta }, spec, check),
+        Law::LrocNac2019 => Photometry::LrocNac2019,
+        Law::HapkeMoon => Photometry::Hapke(Hapke::moon()),
+        Law::HapkeMars => Photometry::Hapke(Hapke::mars()),
+        Law::HapkeMercury => Photometry::Hapke(Hapke::mercury()),
+        Law::Hapke { w, b, c, bs0, hs, bc0, hc, theta_bar_deg, phi } => Photometry::Hapke(Hapke {
+            single_scattering_albedo: w,
+            asymmetry: b,
+            backscatter: c,
+            shadow_hiding_amplitude: bs0,
+            shadow_hiding_width: hs,
+            coherent_amplitude: bc0,
+            coherent_width: hc,
+            mean_slope_rad: theta_bar_deg.to_radians(),
+            filling_factor: phi,
+            multiple_scattering: MultipleScattering::Hapke2002,
+            scale: 1.0,
+        }),
+    };
+    let has_two = photometry.is_absolute() && spec.surface.phase_function.is_some();
+    check.needs(!has_two, "surface.phase_function", "needs a model without a phase function of its own");
+    photometry
 }
 
-pub fn albedo(written: &spec::Surface, phase_function: spec::PhaseFunction, check: &mut Check) -> Albedo {
-    let photometry = Photometry::from(&written.photometry);
-    let is_hapke = photometry.is_hapke();
+fn empirical(disc: DiscFunction, spec: &Spec, check: &mut Check) -> Photometry {
+    let lunar = spec.body == spec::Body::Moon && disc != DiscFunction::Lambert;
+    let implied = if lunar { spec::PhaseFunction::Moon } else { spec::PhaseFunction::Constant };
+    let phase = match spec.surface.phase_function.unwrap_or(implied) {
+        spec::PhaseFunction::Constant => PhaseFunction::CONSTANT,
+        spec::PhaseFunction::Moon => Reflectance::lunar_phase(disc).unwrap_or_else(|error| {
+            check.needs(false, "surface.photometry", error.to_string());
+            PhaseFunction::CONSTANT
+        }),
+    };
+    Photometry::Empirical { disc, phase }
+}
+
+pub fn albedo(written: &spec::Surface, photometry: &Photometry, check: &mut Check) -> Albedo {
     match &written.albedo {
-        None if photometry.is_absolute() => Albedo::Constant(1.0),
-        None => Albedo::Constant(match phase_function {
-            spec::PhaseFunction::Moon => LUNAR_ALBEDO,
-            spec::PhaseFunction::Constant => ALBEDO_WITHOUT_PHASE,
+        None => Albedo::Constant(match photometry {
+            Photometry::Hapke(_) | Photometry::LrocNac2019 => 1.0,
+            Photometry::Empirical { phase: PhaseFunction::CONSTANT, .. } => ALBEDO_WITHOUT_PHASE,
+            Photometry::Empirical { .. } => LUNAR_ALBEDO,
         }),
         Some(spec::Albedo::Constant(value)) => Albedo::Constant(*value),
         Some(written @ spec::Albedo::Map { path, .. }) => {
             Albedo::Map(check.raster("surface.albedo.path", path), albedo_reading(written, check))
         }
         Some(written @ spec::Albedo::SingleScattering { path, .. }) => {
+            let is_hapke = matches!(photometry, Photometry::Hapke(_));
             check.needs(is_hapke, "surface.albedo", "needs one of the Hapke models: it is a map of their w");
             Albedo::SingleScattering(check.raster("surface.albedo.path", path), albedo_reading(written, check))
         }

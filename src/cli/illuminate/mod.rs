@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use hifitime::Duration;
 use perilune_engine::dataset;
-use perilune_engine::ephemeris::{Almanac, BodyFrame, parse_epoch, utc_text};
+use perilune_engine::ephemeris::{Almanac, BodyFrame, MOON, parse_epoch, utc_text};
 use perilune_engine::geometry::{Body, Geodetic};
 use perilune_engine::horizon::trace::Tracer;
 use perilune_engine::horizon::{self, Encoding, HorizonMap, Request, Settings};
@@ -15,7 +15,7 @@ use perilune_engine::illumination::maps::needed_blocks;
 use perilune_engine::illumination::place::Summary;
 use perilune_engine::illumination::report::{IlluminationReport, PlaceResult};
 use perilune_engine::illumination::{self, Lit, Maps, Place, Skylines, Study, Swept, Traced, Track};
-use perilune_engine::photometry::{LimbDarkening, SolarDisk};
+use perilune_engine::photometry::{LimbDarkening, SolarDisk, VISIBLE_NM};
 use perilune_engine::pipeline::Progress;
 use perilune_engine::pipeline::ground::Ground;
 use perilune_engine::terrain::{Face, Gnomonic, Level};
@@ -126,12 +126,6 @@ Examples:
   sim illuminate ridge_10m.tif southcap_240m.tif -o output/site --from 2026-01-01Z --until 2027-01-01Z \
       --area -89.45,222.69,500 --area sites.geojson --best 3 --by night --apart 200";
 
-/// The visible light that limb darkening is taken for.
-const WAVELENGTH_NM: f64 = 550.0;
-
-/// SPICE id of the only body that the Earth's shadow reaches.
-const MOON: i32 = 301;
-
 /// More steps are a slip of the pen: 100 years at hourly steps have fewer.
 const STEPS_AT_MOST: f64 = 1e6;
 
@@ -146,7 +140,7 @@ pub fn run(args: Args) -> Outcome {
     let settings = Settings { azimuths: args.azimuths, observer_height_m: args.observer_height, ..Settings::default() };
     let track = track(&args, &almanac, &frame, &ground)?;
     note.iter().for_each(|note| bars.say(note));
-    let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?)?;
+    let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(VISIBLE_NM)?)?;
     let level = &face.levels[0];
 
     // Areas and places that lie outside are told before the work.
@@ -351,7 +345,7 @@ fn track(
     let point = frame.body.position_from_geodetic(ground.centre);
     let track = Track::new(almanac, frame, point, start, args.step, steps as usize)?;
     let eclipses = !args.no_eclipses && frame.body.naif_id == MOON;
-    Ok(if eclipses { track.with_eclipses(LimbDarkening::hestroffer_magnan(WAVELENGTH_NM)?) } else { track })
+    Ok(if eclipses { track.with_eclipses(LimbDarkening::hestroffer_magnan(VISIBLE_NM)?) } else { track })
 }
 
 fn notes(

@@ -225,7 +225,7 @@ impl Pixel {
         };
         let span = [pixels[1].x - pixels[2].x, pixels[3].y - pixels[4].y];
         let natural_m = ((right - left) / span[0]).length().max(((down - up) / span[1]).length());
-        let nominal_m = dem.georeference.pixel_size() * dem.georeference.metres_per_unit();
+        let nominal_m = dem.georeference.posting_m();
         let posting_m = if (natural_m / nominal_m - 1.0).abs() < 0.02 { nominal_m } else { natural_m };
         if at_m.is_finite() && posting_m.is_normal() { Ok(Self { at_m, posting_m }) } else { Err(outside()) }
     }

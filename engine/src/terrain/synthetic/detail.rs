@@ -140,7 +140,7 @@ fn rms_difference_m(heights_m: &[f64], columns: usize, lag: usize) -> f64 {
 
 /// Continues a measured model about a place.
 pub fn continue_below(body: &Body, detail: &Detail, measured: &Dem) -> Result<Continued, Error> {
-    let old_m = measured.georeference.pixel_size() * measured.georeference.metres_per_unit();
+    let old_m = measured.georeference.posting_m();
     if detail.posting_m * SHORTEST > old_m * LONGEST {
         let allowed = "at most half of the posting that it continues";
         return Err(Error::Range { key: "posting_m", got: detail.posting_m, allowed });
