@@ -76,7 +76,7 @@ fn kernels_makes_and_lists() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().to_str().unwrap();
     let made = printed(&["kernels", "make", "--from", "2030-01-01Z", "--until", "2030-01-08Z", "-o", output]);
-    assert_eq!(made.lines().count(), 2, "{made}");
+    assert_eq!(made.lines().count(), 4, "{made}");
     let path = folder.path().join("perilune_2020_2040.bsp");
     let listed = printed(&["kernels", "list", "--json", path.to_str().unwrap()]);
     let listed: serde_json::Value = serde_json::from_str(&listed).unwrap();

@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::bounce::{Bounce, Gather, Ray, SECTORS};
+use super::direct::irradiance_w_m2;
 use super::facet::{albedo, hit_at, normal};
-use super::reference::irradiance_w_m2;
 use super::{Scene, View};
 use crate::geometry::{BodyFixed, Direction};
 use crate::grid::{Cell, Grid2};

@@ -8,6 +8,7 @@
 pub mod bounce;
 mod bounced_light;
 mod diffuse;
+pub mod direct;
 mod error;
 pub mod facet;
 pub mod image;

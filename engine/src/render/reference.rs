@@ -16,13 +16,13 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::facet::{albedo, normal, site};
+use super::direct::illuminate;
+use super::facet::{albedo, normal};
 use super::planes::{Radiometry, Samples};
 use super::refine::UncertainTraced;
-use super::{Diffuse, Light, Rays, RenderError, Scene, View, sky_reflectance};
+use super::{Diffuse, Rays, RenderError, Scene, View, sky_reflectance};
 use crate::camera::Camera as Optics;
-use crate::geometry::{BodyFixed, Camera, Direction};
-use crate::photometry::{HorizonLine, SunAxes};
+use crate::geometry::{Camera, Direction};
 use crate::shadow::{Shadow, Skylines, UnpreparedLight};
 use crate::terrain::{Ground, Hit};
 
@@ -145,38 +145,4 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
         sample.radiance += lighting.diffuse.radiance(scene, view, hit, (to_camera, mu));
     }
     sample
-}
-
-struct Lit {
-    irradiance: f64,
-    fraction: f64,
-}
-
-/// Irradiance of the ground at a hit by one light of the view.
-pub fn irradiance_w_m2(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, light: (usize, &Light)) -> f64 {
-    illuminate(scene, shadow, hit, normal(scene, hit), light).irradiance
-}
-
-fn illuminate(
-    scene: &Scene,
-    shadow: Option<&dyn Shadow>,
-    hit: &Hit,
-    normal: Direction<BodyFixed>,
-    (index, light): (usize, &Light),
-) -> Lit {
-    let Some(towards) = hit.position.direction_to(light.position) else {
-        return Lit { irradiance: 0.0, fraction: 0.0 };
-    };
-    let radius_rad = light.angular_radius_rad;
-    let (seen, facet) = match site(scene, hit, normal, (index, light)) {
-        Some((site, disc)) => {
-            let open = || scene.disk.light(HorizonLine::NONE, disc.facet);
-            (shadow.map_or_else(open, |shadow| shadow.light(&site, &disc)), disc.facet)
-        }
-        None => {
-            let facet = SunAxes::new(towards, normal).facet(normal, radius_rad);
-            (scene.disk.light(HorizonLine::NONE, facet), facet)
-        }
-    };
-    Lit { irradiance: light.irradiance_w_m2 * seen.irradiance_factor(facet, radius_rad), fraction: seen.fraction }
 }
