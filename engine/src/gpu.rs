@@ -32,7 +32,15 @@ pub enum GpuError {
          use a coarser posting, a smaller extent, or the reference renderer"
     )]
     TooLarge { what: &'static str, needed_mib: u64, allowed_mib: u64 },
+    #[error("{what}: the adapter ended the loops of a shader before they were done")]
+    CutShort { what: &'static str },
 }
+
+/// Function `cut_short`, which every shader asks at its end whose loops may be long.
+pub const CUT_SHORT_WGSL: &str = include_str!("gpu/cut_short.wgsl");
+
+/// What `cut_short` counts to.
+pub const CUT_SHORT_TURNS: u32 = 2;
 
 /// Which adapter to open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -107,7 +107,7 @@ pub fn with_flag(error: pipeline::Error) -> Box<dyn Error> {
         }
         pipeline::Error::Gpu(GpuError::TooLarge { .. })
         | pipeline::Error::Render(
-            RenderError::Gpu(GpuError::TooLarge { .. })
+            RenderError::Gpu(GpuError::TooLarge { .. } | GpuError::CutShort { .. })
             | RenderError::Device(DeviceError::HostOnly(_) | DeviceError::Gpu(GpuError::TooLarge { .. })),
         ) => "--adapter cpu",
         _ => return Box::new(error),

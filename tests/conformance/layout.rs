@@ -55,7 +55,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
         (
             "ViewParameters",
             host!(ViewParameters: from_camera_x from_camera_y from_camera_z scaled_camera radii_m camera_m pixels
-                padding),
+                first_ray until_ray turns),
         ),
         ("RayWindow", host!(RayWindow: low scale columns rows pitch near_m)),
         (

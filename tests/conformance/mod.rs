@@ -10,6 +10,7 @@ mod layout;
 mod mipmaps;
 mod multiscale;
 mod photometry;
+mod rays;
 pub mod render;
 pub mod scenarios;
 mod session;

@@ -25,11 +25,13 @@ use super::observer::ON_GROUND_M;
 use super::receivers::Receivers;
 use super::settings::Settings;
 use super::sweep::grid::{HeightGrid, middle_m};
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{CUT_SHORT_TURNS, Gpu, GpuError};
 use crate::terrain::Face;
 
 /// Nodes side by side that a workgroup looks from, as in the shader.
 const GROUP: u32 = 64;
+/// The elevation where loops were cut short, as in the shader.
+const CUT_SHORT: f32 = 1e30;
 /// Blocks are no longer than 2 to this power.
 const MIPS: usize = 8;
 
@@ -49,7 +51,7 @@ struct Ray {
     stride: u32,
     on_ground: u32,
     levels: u32,
-    unused: u32,
+    turns: u32,
 }
 
 /// A level; see the shader.
@@ -84,7 +86,8 @@ pub struct OnDevice<'a> {
 impl<'a> OnDevice<'a> {
     /// Prepares one level of a face for the azimuths along `major` on an open device.
     pub fn new(gpu: &'a Gpu, face: &Face, level: usize, major: Major, settings: &Settings) -> Result<Self, Error> {
-        let shader = concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"));
+        let shader =
+            concat!(include_str!("gpu.wgsl"), include_str!("arc_tangent.wgsl"), include_str!("../gpu/cut_short.wgsl"));
         let pipeline = gpu.compute("horizons", shader, "main", &[])?;
         let levels = &face.levels[level..];
         let datum_m = middle_m(&levels[0]);
@@ -133,6 +136,7 @@ impl<'a> OnDevice<'a> {
             stride: receivers.stride as u32,
             on_ground: u32::from(settings.observer_height_m < ON_GROUND_M),
             levels: grids.len() as u32,
+            turns: CUT_SHORT_TURNS,
             ..Ray::zeroed()
         };
         let ends = [coarsest.origin_m / radius_m, (coarsest.origin_m + span_m) / radius_m];
@@ -152,7 +156,11 @@ impl<'a> OnDevice<'a> {
         let buffers = [&ray, levels, tables, heights, maxima, observers, &elevations_rad];
         let groups = [self.ray.minors.div_ceil(GROUP), self.ray.majors, 1];
         let seconds = self.gpu.run(&self.pipeline, &buffers, groups);
-        Ok((self.gpu.read(&elevations_rad)?, seconds))
+        let elevations_rad = self.gpu.read(&elevations_rad)?;
+        match elevations_rad.contains(&CUT_SHORT) {
+            true => Err(GpuError::CutShort { what: "horizons" }),
+            false => Ok((elevations_rad, seconds)),
+        }
     }
 
     /// The elevations alone.

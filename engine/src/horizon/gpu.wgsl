@@ -19,7 +19,8 @@ struct Ray {
     // Whether a receiver stands on his facet.
     on_ground: u32,
     levels: u32,
-    unused: u32,
+    // See `cut_short`.
+    turns: u32,
 }
 
 struct Level {
@@ -53,6 +54,8 @@ const NEVER: f32 = -1e30;
 // Heights below have a gap in them.
 const ABSENT_M: f32 = -1e10;
 const FAR_M: f32 = 1e30;
+// The elevation where loops were cut short.
+const CUT_SHORT: f32 = 1e30;
 // A gap with a smaller share is rounding.
 const LEAST_SHARE: f32 = 1e-3;
 
@@ -72,7 +75,8 @@ const LEAST_SHARE: f32 = 1e-3;
             from_m = to_m.y;
         }
     }
-    elevations_rad[receiver] = elevation(at, (observer_m + ray.datum_m) / ray.radius_m, slope);
+    let found = elevation(at, (observer_m + ray.datum_m) / ray.radius_m, slope);
+    elevations_rad[receiver] = select(found, CUT_SHORT, cut_short(ray.turns));
 }
 
 // Where a receiver stands in a level's grid.

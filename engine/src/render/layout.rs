@@ -2,11 +2,14 @@
 //!
 //! `tests/conformance/layout.rs` parses the shader and compares every member's name and offset.
 
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{Light, View};
 use crate::geometry::{Body, BodyFixed, Camera, Position, Rotation};
+use crate::gpu::CUT_SHORT_TURNS;
 use crate::shadow::device::LevelTexels;
 use crate::terrain::{Face, Gnomonic, Level};
 
@@ -20,7 +23,9 @@ pub struct ViewParameters {
     pub radii_m: [f32; 4],
     pub camera_m: [f32; 4],
     pub pixels: u32,
-    pub padding: [u32; 3],
+    pub first_ray: u32,
+    pub until_ray: u32,
+    pub turns: u32,
 }
 
 #[repr(C)]
@@ -86,6 +91,11 @@ pub struct PixelOut {
     pub hit: f32,
 }
 
+impl PixelOut {
+    /// Value of `hit` where the device ended loops before they were done.
+    pub const CUT_SHORT: f32 = -2.0;
+}
+
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct CentreOut {
@@ -113,7 +123,8 @@ fn with_w(vector: DVec3, w: f64) -> [f32; 4] {
 }
 
 impl ViewParameters {
-    pub fn new(body: &Body, view: &View, pixels: usize) -> Self {
+    /// Of the `rays` of each of so many pixels.
+    pub fn new(body: &Body, view: &View, pixels: usize, rays: Range<usize>) -> Self {
         let body_from_camera: Rotation<BodyFixed, Camera> = view.camera_from_body.inverse();
         let [x, y, z] = rows(body_from_camera.matrix());
         let radii_m = DVec3::new(body.equatorial_radius_m, body.equatorial_radius_m, body.polar_radius_m);
@@ -127,7 +138,9 @@ impl ViewParameters {
             radii_m: with_w(radii_m, 0.0),
             camera_m: with_w(camera_m, 0.0),
             pixels: pixels as u32,
-            padding: [0; 3],
+            first_ray: rays.start as u32,
+            until_ray: rays.end as u32,
+            turns: CUT_SHORT_TURNS,
         }
     }
 }

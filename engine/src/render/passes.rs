@@ -7,6 +7,7 @@
 //!
 //! `reference` is the twin; `tests/conformance` holds the two together.
 
+mod hits;
 mod rays;
 mod skylines;
 mod starts;
@@ -14,6 +15,7 @@ mod uncertain;
 mod upload;
 
 use std::convert::Infallible;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -33,14 +35,13 @@ use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, Ray
 use super::planes::{Radiometry, Samples};
 use super::recent::Recent;
 use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference, sky_reflectance};
-use crate::camera::Camera as Optics;
 use crate::geometry::{BodyFixed, Position};
-use crate::gpu::{Gpu, workgroups};
+use crate::gpu::{Gpu, GpuError, workgroups};
 use crate::photometry::{REFLECTANCE_WGSL, Reflectance, SOLAR_DISK_WGSL, SkyReflectance};
 use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
 use crate::shadow::field_pages::page_bits;
 use crate::shadow::{Skylines, UnpreparedLight};
-use crate::terrain::{Face, Ground, Hit};
+use crate::terrain::Face;
 
 /// The pass but for the shadow method's part ([`DevicePart::wgsl`]): declarations may come in any order.
 pub const SHADER: &str = concat!(
@@ -50,10 +51,15 @@ pub const SHADER: &str = concat!(
     include_str!("../terrain/maps.wgsl"),
     include_str!("../terrain/surface.wgsl"),
     include_str!("../terrain/azimuth_ratio.wgsl"),
+    include_str!("../gpu/cut_short.wgsl"),
 );
 
 /// Pixels of one workgroup, as in the shader.
 const GROUP: usize = 64;
+
+/// Rays of a pixel in one pass, at first. Software Vulkan cuts loops short after 65 535 turns, which a grazing ray over wide terrain
+/// with some lights brings near by itself: where it does, fewer are followed at once.
+const RAYS_AT_ONCE: usize = 16;
 
 /// A scene on a device, and what its views have asked for so far.
 #[derive(Debug)]
@@ -75,6 +81,10 @@ pub struct Passes {
     mesh: Option<DeviceMesh>,
     device_time: Option<Duration>,
 }
+
+/// Bindings of the pass itself, as in the shader: the view's, which changes with the rays that are followed, and the others.
+const VIEW: u32 = BINDINGS as u32;
+const FIRST_OWN: u32 = VIEW + 1;
 
 /// An `override` value of the shader.
 type Constant = (&'static str, f64);
@@ -167,7 +177,8 @@ impl Passes {
         let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, &diffuse)?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
-        let centres = if rays.centres { self.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
+        let centres =
+            if rays.centres { hits::of_centres(&self.ground, scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
         trace_uncertain(scene, rays, view, &diffuse, &mut samples);
         Ok(samples)
@@ -249,12 +260,11 @@ impl Passes {
             None => Starts::at_the_camera(gpu),
         };
         let (mut pixels, mut centres, mut seconds) = (Vec::new(), Vec::new(), finding.unwrap_or(Some(0.0)));
+        let mut at_once = RAYS_AT_ONCE;
         for band in &table.bands {
-            let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels)]);
             let pixels_out = gpu.output("pixels", (band.pixels * size_of::<PixelOut>()) as u64);
             let centres_out = gpu.output("centres", (band.pixels * size_of::<CentreOut>()) as u64);
             let own = [
-                &parameters,
                 &faces,
                 &levels,
                 &lights,
@@ -274,10 +284,24 @@ impl Passes {
                 &sky,
                 &bounced,
             ];
-            let buffers = (0..).zip(of_method.clone()).chain((BINDINGS as u32..).zip(own)).collect::<Vec<_>>();
-            let spent = gpu.run_bound(pipeline, &buffers, workgroups(band.pixels.div_ceil(GROUP)));
-            seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
-            pixels.extend(gpu.read::<PixelOut>(&pixels_out)?);
+            let buffers: Vec<_> = (0..).zip(of_method.clone()).chain((FIRST_OWN..).zip(own)).collect();
+            let groups = workgroups(band.pixels.div_ceil(GROUP));
+            let mut follow = |rays: Range<usize>| {
+                let parameters = gpu.storage("view", &[ViewParameters::new(&terrain.body, view, band.pixels, rays)]);
+                let buffers = [&buffers[..], &[(VIEW, &parameters)]].concat();
+                let spent = gpu.run_bound(pipeline, &buffers, groups);
+                seconds = seconds.zip(spent).map(|(sum, spent)| sum + spent);
+            };
+            pixels.extend(loop {
+                let rays = points.offsets.len();
+                (0..rays).step_by(at_once).for_each(|first| follow(first..rays.min(first + at_once)));
+                let pixels = gpu.read::<PixelOut>(&pixels_out)?;
+                match pixels.iter().any(|pixel| pixel.hit == PixelOut::CUT_SHORT) {
+                    false => break pixels,
+                    true if at_once > 1 => at_once /= 2,
+                    true => return Err(GpuError::CutShort { what: "rays" }.into()),
+                }
+            });
             if rays.centres {
                 centres.extend(gpu.read::<CentreOut>(&centres_out)?);
             }
@@ -288,40 +312,6 @@ impl Passes {
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
         let first_level = self.ground.levels.iter().position(|level| level.face == index).unwrap_or(0);
         MapFace::new(view, face, &self.ground.balls[index], first_level, scene.surface.terrain.faces.len() == 1)
-    }
-
-    /// The centres' hits in f64: the device says where on which cell, the host computes the point.
-    fn hits(&self, scene: &Scene, optics: &Optics, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
-        use rayon::prelude::*;
-        let columns = optics.columns as usize;
-        let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
-        let hit = |(index, centre): (usize, &CentreOut)| self.hit(scene, optics, view, pixel(index), centre);
-        centres.par_iter().enumerate().map(hit).collect()
-    }
-
-    fn hit(&self, scene: &Scene, optics: &Optics, view: &View, pixel: DVec2, centre: &CentreOut) -> Option<Hit> {
-        let terrain = &scene.surface.terrain;
-        match centre.ground {
-            CentreOut::DEM => {
-                let &PackedLevel { face, level, ref shader } = &self.ground.levels[centre.level as usize];
-                let grid_level = &terrain.faces[face].levels[level];
-                let cell = DVec2::new(f64::from(centre.cell % shader.columns), f64::from(centre.cell / shader.columns));
-                let grid = cell + DVec2::from(centre.fraction.map(f64::from)) + grid_level.margin as f64;
-                let lifted = grid_level.map_from_grid(grid).extend(grid_level.bilinear_m(grid)?);
-                let position = terrain.faces[face].map.body_from_lifted(lifted);
-                let distance_m = position.distance_m(view.camera_position);
-                Some(Hit { ground: Ground::Dem { face, level, lifted }, position, distance_m })
-            }
-            CentreOut::MISS => None,
-            ground => {
-                let direction = view.camera_from_body.inverse() * optics.direction(pixel)?;
-                let distance_m = f64::from(centre.distance_m);
-                let ground = if ground == CentreOut::GAP { Ground::Gap } else { Ground::Bare };
-                let position: Position<BodyFixed> =
-                    Position::from_m(view.camera_position.vector_m() + distance_m * direction.unit());
-                Some(Hit { ground, position, distance_m })
-            }
-        }
     }
 }
 

@@ -11,7 +11,11 @@ struct ViewParameters {
     radii_m: vec4f,
     camera_m: vec4f,
     pixels: u32,
-    padding: array<u32, 3>,
+    // Of each pixel's rays those that this pass follows.
+    first_ray: u32,
+    until_ray: u32,
+    // See `cut_short`.
+    turns: u32,
 }
 
 // A luminous disc as one map (or the body, last) sees it.
@@ -28,9 +32,12 @@ struct Pixel {
     radiance: f32,
     irradiance: f32,
     fraction: f32,
-    // Share of the samples that met the body; -1 where one met a gap.
+    // Share of the samples that met the body; -1 where one met a gap, CUT_SHORT where loops were. Until the last ray is
+    // followed all of these are sums.
     hit: f32,
 }
+
+const CUT_SHORT: f32 = -2.0;
 
 struct Centre {
     ground: u32,
@@ -346,7 +353,16 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var sum = Sample(0.0, 0.0, 0.0);
     var hits = 0.0;
     var gap = false;
-    for (var ray = 0u; ray < RAYS; ray++) {
+    if view.first_ray > 0u {
+        let so_far = pixels_out[pixel];
+        if so_far.hit == CUT_SHORT {
+            return;
+        }
+        sum = Sample(so_far.radiance, so_far.irradiance, so_far.fraction);
+        hits = max(so_far.hit, 0.0);
+        gap = so_far.hit < 0.0;
+    }
+    for (var ray = view.first_ray; ray < view.until_ray; ray++) {
         let plane_d = rays[pixel * RAYS + ray];
         // The optics see nothing here.
         if plane_d.x > 1.0e20 {
@@ -388,11 +404,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         sum.irradiance += sample.irradiance;
         sum.fraction += sample.fraction;
     }
-    let ground = max(hits, 1.0);
+    var ground = 1.0;
+    var samples = 1.0;
+    if view.until_ray == RAYS {
+        ground = max(hits, 1.0);
+        samples = f32(SAMPLES);
+    }
+    let hit = select(hits / samples, -1.0, gap);
     pixels_out[pixel] = Pixel(
-        sum.radiance / f32(SAMPLES),
+        sum.radiance / samples,
         sum.irradiance / ground,
         sum.fraction / ground,
-        select(hits / f32(SAMPLES), -1.0, gap),
+        select(hit, CUT_SHORT, cut_short(view.turns)),
     );
 }
