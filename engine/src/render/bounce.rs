@@ -29,6 +29,9 @@
 //! | 16 × 2 | 1.2 % | 3.0 % | 12 % | +5.9 % | 16 % |
 //! | 32 × 4 (default) | 1.1 % | 2.3 % | 3.1 % | −0.03 % | 7 % |
 //!
+//! A second order adds 6.1 % to the light of Shackleton's floor within 4 km of its middle and 1.3 % to all of the shadow in it (LOLA
+//! at 240 m, Hapke's Moon, Sun at 1.5°), the third 2.5 and 2 % of the second; in the bowl 2.7 % of the one before (closed form 2.8 %).
+//!
 //! # References
 //! Ingersoll, Svitek & Murray (1992), Icarus 100, 40, doi:10.1016/0019-1035(92)90016-Z, for the bowl; Mazarico et al. (2018),
 //! Adv. Space Res. 62, 3214, for bounces in lunar illumination.

@@ -92,7 +92,7 @@ override GRADIENT_PAGE_BITS: u32;
 override MORE_GRADIENTS: bool;
 
 const SKY_KNOTS = 65u;
-const SKY_ROWS = 9u;
+const SKY_ROWS = 17u;
 const SECTORS = 8u;
 
 fn gradient(node: u32) -> vec2f {
