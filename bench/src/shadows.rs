@@ -61,6 +61,8 @@ pub struct Comparison {
     pub irradiance: Errors,
     /// The same where the truth sees a part of the disc.
     pub penumbra: Errors,
+    /// Mean irradiance of the truth's lit ground, in the same unit: under a Sun at 1.5° a fortieth.
+    pub lit_ground: f64,
 }
 
 /// Compares shadows where `ground` says so; `full_w_m2` is the irradiance of a plane that faces the whole Sun.
@@ -76,7 +78,9 @@ pub fn compare(truth: &[Radiometry], tried: &[Radiometry], ground: &[bool], full
     };
     let partial =
         |(truth, _): &&(&Radiometry, &Radiometry)| (PENUMBRA..1.0 - PENUMBRA).contains(&f64::from(truth.sun_fraction));
+    let lit_ground = pairs.iter().filter(|(truth, _)| lit(truth));
     Comparison {
+        lit_ground: Errors::of(lit_ground.map(|(truth, _)| f64::from(truth.irradiance_w_m2) / full_w_m2)).mean,
         ground: pairs.len(),
         agreement: share(&|truth, tried| truth == tried),
         lit_in_the_dark: share(&|truth, tried| !truth && tried),
@@ -267,7 +271,7 @@ fn trial(method: String, session: &mut Session, view: &View) -> Result<Trial, Er
 }
 
 /// Columns of methods and their units.
-const METHOD_COLUMNS: [(&str, &str); 15] = [
+const METHOD_COLUMNS: [(&str, &str); 16] = [
     ("method", ""),
     ("agreement", "%"),
     ("lit in the dark", "%"),
@@ -283,6 +287,7 @@ const METHOD_COLUMNS: [(&str, &str); 15] = [
     ("time", "s"),
     ("device", "s"),
     ("first image", "s"),
+    ("RMS of lit ground's light", "%"),
 ];
 #[allow(clippy::too_many_arguments)]
 fn report(
@@ -308,13 +313,14 @@ fn report(
         let mut row = vec![Value::Text(trial.method.clone())];
         row.extend(shares.into_iter().chain(errors).chain([trial.seconds]).map(Value::from));
         row.extend([trial.device_seconds, trial.first_seconds].map(Value::from));
+        row.push((100.0 * all.rms / found.lit_ground).into());
         methods.rows.push(row);
         points.push(Curve { name: trial.method.clone(), points: vec![[trial.seconds, all.rms]], joined: false });
         figures.push(picture(scenario, truth, trial, ground)?);
     }
     let mut row = vec![Value::Text(truth.method.clone()), 100.0.into()];
     row.extend([0.0; 10].map(Value::from));
-    row.extend([truth.seconds.into(), Value::Missing, Value::Missing]);
+    row.extend([truth.seconds.into(), Value::Missing, Value::Missing, 0.0.into()]);
     methods.rows.push(row);
 
     let scene = scene_table::scene_table(scenario, prepared, options.exposure, truth, ground);
@@ -325,6 +331,7 @@ fn report(
         notes: vec![
             "Truth: horizons traced over every grid line for 24 columns of the Sun's disc, reference renderer, f64."
                 .into(),
+            "RMS of lit ground's light: the RMS of the irradiance over the mean irradiance of ground that is lit.".into(),
             "Agreement: both see half the disc or more, or both less. Only pixels on terrain count.".into(),
             "Times include readback, and finding skylines for methods that find them in advance; \
              on a shared machine they are upper bounds."

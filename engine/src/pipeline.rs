@@ -51,6 +51,8 @@ pub use motion::Exposure;
 pub use progress::{Progress, Silent};
 pub use run::{Options, Report, Seconds, Stages, run};
 
+use hifitime::Unit;
+
 use crate::dataset;
 use crate::ephemeris::{Almanac, BodyFrame, KernelSource, default_kernels};
 use crate::horizon;
@@ -80,7 +82,7 @@ pub struct Prepared {
 /// Kernels, terrain and poses of a scenario.
 pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Result<Prepared, Error> {
     let almanac = Almanac::load_sources(&kernels(scenario))?;
-    let frame = body_frame(scenario, &almanac)?;
+    let (frame, note) = body_frame(scenario, &almanac)?;
     let mut ground = ground::surface(scenario.terrain.as_ref(), &frame.body, cache, progress)?;
     for (role, path) in scenario.other_files() {
         let sha256 = raster::digest(path)?;
@@ -94,11 +96,12 @@ pub fn prepare(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Re
     let (exposures, motions) = globe::exposures::exposures(&points, &almanac, &frame, &mut ground, progress)?;
     let craters = craters::of_lists(scenario, &mut ground, cache)?;
     sequence::check(scenario, &exposures)?;
+    motion::band(scenario, &exposures)?;
     let shadows = auto::choose(scenario, &ground.surface, &exposures);
     if let Some(why) = &shadows.why {
         progress.say(why);
     }
-    scenario.notes.iter().chain(&ground.findings).for_each(|note| progress.say(note));
+    note.iter().chain(&scenario.notes).chain(&ground.findings).for_each(|note| progress.say(note));
     applicability::warnings(scenario, Some(&ground.surface)).iter().for_each(|warning| progress.say(warning));
     Ok(Prepared { almanac, frame, ground, points, sweep: scenario.sweep.clone(), exposures, motions, shadows, craters })
 }
@@ -117,11 +120,15 @@ fn kernels(scenario: &Scenario) -> Vec<KernelSource> {
     kernels
 }
 
-/// The scenario's frame with the figure that its heights refer to.
-fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<BodyFrame, Error> {
+/// The scenario's frame with the figure that its heights refer to, and what there is to say of it.
+fn body_frame(scenario: &Scenario, almanac: &Almanac) -> Result<(BodyFrame, Option<String>), Error> {
     // By its id: a body of one's own has any name.
-    let named = almanac.body_frame(&scenario.body.naif_id.to_string(), scenario.frame.as_deref())?;
-    Ok(BodyFrame { body: scenario.body.clone(), ..named })
+    let id = scenario.body.naif_id.to_string();
+    let reach = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s()) * Unit::Second;
+    let ends = [scenario.exposures.iter().min(), scenario.exposures.iter().max()];
+    let epochs: Vec<_> = ends.into_iter().flatten().flat_map(|epoch| [*epoch - reach, *epoch + reach]).collect();
+    let (named, note) = almanac.body_frame_at(&id, scenario.frame.as_deref(), &epochs)?;
+    Ok((BodyFrame { body: scenario.body.clone(), ..named }, note))
 }
 
 /// The scene that a renderer reads, with its shadows.
@@ -147,7 +154,7 @@ pub fn build_scene(
     let mut tiles = Vec::new();
     let mut maps = |settings: horizon::Settings| {
         let (folder, encoding) = (cache.join("horizon"), scenario.horizon.encoding);
-        let settings = horizon::Settings { band: motion::band(scenario, exposures), ..settings };
+        let settings = horizon::Settings { band: motion::band(scenario, exposures)?, ..settings };
         let listed = |tile: &ground::Tile| {
             tiles.push(tile.input());
             Ok::<_, Error>(())
@@ -174,9 +181,10 @@ pub fn build_scene(
     let made = if from_maps && shadows.maps().is_none() { maps(settings)? } else { Vec::new() };
     let horizons = shadows.maps().unwrap_or(&made[..]);
     let ambient = scene::ambient(scenario, &ground.surface, horizons);
-    let bounce = scenario
-        .bounce
-        .map(|bounce| Bounce::new(&ground.surface, horizons, bounce.azimuths as usize, bounce.elevations as usize));
+    let bounce = scenario.bounce.map(|bounce| {
+        Bounce::new(&ground.surface, horizons, bounce.azimuths as usize, bounce.elevations as usize)
+            .with_orders(bounce.orders as usize)
+    });
     ground.inputs.extend(tiles);
     Ok(Scene {
         refine: scenario.refine.then_some(settings),

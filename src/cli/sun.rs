@@ -72,12 +72,15 @@ struct Row {
 
 pub fn run(args: Args) -> Outcome {
     let almanac = args.kernels.almanac()?;
-    let frame = almanac.body_frame(&args.body, args.frame.as_deref())?;
+    let epochs = epochs(&args)?;
+    let ends = [epochs[0], epochs[epochs.len() - 1]];
+    let (frame, note) = almanac.body_frame_at(&args.body, args.frame.as_deref(), &ends)?;
     let point = frame.body.position_from_geodetic(args.at);
-    let rows: Vec<Row> = epochs(&args)?
-        .into_iter()
-        .map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch))
-        .collect::<Result<_, _>>()?;
+    let rows: Vec<Row> =
+        epochs.into_iter().map(|epoch| Row::at(&almanac, &frame, args.at, point, epoch)).collect::<Result<_, _>>()?;
+    if let Some(note) = note {
+        eprintln!("{note}");
+    }
     let alone = rows.len() == 1;
     if args.csv {
         print_line(COLUMNS.join(","))?;

@@ -301,3 +301,28 @@ fn cameras_that_cannot_be_are_named_with_their_key() {
     let error = resolve(Path::new("x.ron"), &text, &places, &|_| None).unwrap_err().to_string();
     assert!(error.contains("outputs.planes[0] = digital_number needs a detector"), "{error}");
 }
+
+/// Three framelets ten minutes apart, and three images at their times by the same camera, which stands still: each framelet has the
+/// Sun of its own time. From first to last it goes on by 0.17°.
+#[test]
+fn each_framelet_is_lit_as_an_image_of_its_own_time() {
+    let still = "(t_s: 0, latitude_deg: -3, longitude_deg: 0, height_m: 50000)";
+    let text = scenario("columns: 6, rows: ROWS, field_of_view_deg: 9", "radiance, incidence");
+    let (before, after) = (text.find("        (t_s: -60").unwrap(), text.find("    ]),\n    pointing").unwrap());
+    let text = format!("{}        {still},\n{}", &text[..before], &text[after..]);
+    let one =
+        text.replace("ROWS", "12").replace("deg: 9", "deg: 9, shutter: PushFrame(interval_s: 600, framelet_rows: 4)");
+    let one = Run::of(&one.replace("T15:00:00", "T15:10:00").replace("count: 3", "count: 1"));
+    let three = Run::of(&text.replace("ROWS", "4").replace("step_s: 10", "step_s: 600"));
+    one.succeed(&[]);
+    three.succeed(&[]);
+    let of_three: Vec<_> = (0..3).map(|index| plane(&three, index, "LOCALINCIDENCE")).collect();
+    let of_one = plane(&one, 0, "LOCALINCIDENCE");
+    for (band, expected_deg) in of_one.chunks(24).zip(&of_three) {
+        assert!(band.iter().zip(expected_deg).all(|(a, b)| (a - b).abs() < 1e-4), "{band:?} {expected_deg:?}");
+    }
+    let moved_deg = (of_three[0][0] - of_three[2][0]).abs();
+    assert!(moved_deg > 0.1, "{moved_deg}");
+    let [light_of_one, light_of_three] = [plane(&one, 0, "RADIANCE"), plane(&three, 2, "RADIANCE")];
+    assert!(light_of_one[48..].iter().zip(&light_of_three).all(|(a, b)| (a / b - 1.0).abs() < 1e-4));
+}

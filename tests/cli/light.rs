@@ -69,3 +69,24 @@ fn the_earth_hides_the_sun_from_the_moon_unless_told_not_to() {
     assert!((0.05..0.95).contains(&share), "{share}");
     assert!(brightest(&partial) < brightest(&lit), "{} {}", brightest(&partial), brightest(&lit));
 }
+
+/// Horizons within a band of elevations cannot be had where the Sun goes round, or where light comes from elsewhere.
+#[test]
+fn a_band_that_would_leave_nothing_out_is_refused() {
+    let banded = SMALL.replace("Settings(azimuths: 64)", "Settings(azimuths: 64, band: true)");
+    let cases = [
+        (banded.replace("step_s: 10, count: 4", "step_s: 850000, count: 3"), "the Sun goes through more than 120°"),
+        (banded.replace("shadows:", "ambient: (radiance_w_m2_sr: 1), shadows:"), "ambient light comes from elsewhere"),
+        (banded.replace("shadows:", "bounce: (), shadows:"), "bounced light comes from elsewhere"),
+        (banded.replace("shadows:", "earthshine: (), shadows:"), "earthshine comes from elsewhere"),
+    ];
+    for (text, said) in cases {
+        let text = text.replace("(t_s: 30, ", "(t_s: 4000000, ");
+        let run = Run::of(&text);
+        let output = run.sim(&[]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains("horizon.band: true") && error.contains(said), "{error}\nwanted: {said}");
+    }
+    Run::of(&banded).succeed(&["--frames", "0"]);
+}

@@ -66,7 +66,7 @@ fn the_structs_of_the_pass_lie_as_the_shader_reads_them() {
         (
             "MapLevel",
             host!(MapLevel: base camera south_west_m posting_m columns rows mips heights_offset maxima_offset horizon
-                face horizon_table padding),
+                face horizon_table bounced),
         ),
         ("LightParameters", host!(LightParameters: direction radius_rad irradiance_w_m2 padding)),
         ("Pixel", host!(PixelOut: radiance irradiance fraction hit)),

@@ -1,12 +1,14 @@
 //! Runs over maximum mipmaps and light from the sky: the pass against the reference.
 
-use perilune_engine::render::{Ambient, Renderer, Scene};
+use perilune_engine::photometry::{Hapke, Reflectance, SkyReflectance};
+use perilune_engine::render::{AlbedoRole, Ambient, Renderer, Scene};
 use perilune_engine::shadow::mipmaps::Mipmaps;
 use perilune_engine::shadow::multiscale::Multiscale;
 use perilune_engine::shadow::sky::{Harmonic, shares};
 use std::sync::Arc;
 
 use super::render::{compare, scenes};
+use crate::scenes as plain;
 
 /// The published runs, and those that reach the terrain's end.
 fn methods(scene: &Scene) -> Vec<Mipmaps> {
@@ -64,5 +66,32 @@ fn the_pass_lights_from_the_sky_as_the_reference_does() {
         scene.ambient = None;
         let dark = Renderer::on(gpu).samples(&scene, &view).unwrap();
         assert!(compare(&view, &reference, &dark).radiance < 0.9, "{name}: the sky gives no light");
+    }
+}
+
+/// Flat ground under a sky, the Sun down, sees all of it: its light is that of the hemisphere, here Hapke's with `w` from a map.
+#[test]
+fn the_sky_is_reflected_from_all_sides() {
+    let Some(gpu) = super::gpu() else { return };
+    let terrain = plain::Grid::square(2000.0, 100.0).terrain(&plain::flat_body(), |_| 0.0);
+    let nodes = terrain.faces[0].levels[0].heights_m.len();
+    let map = plain::map(&plain::flat_body());
+    let shares = vec![vec![vec![1.0; nodes]]];
+    let dark = plain::scene(terrain).with_ambient(Ambient { radiance_w_m2_sr: 100.0, shares });
+    let mapped = dark.clone().with_albedo(vec![vec![vec![0.4; nodes]]], AlbedoRole::SingleScattering);
+    let sun = plain::sun(&map, 0.0, -20_f64.to_radians());
+    let view = plain::nadir(&map, glam::DVec2::ZERO, 1000.0, sun).with_optics(plain::pinhole(33, 1, 12.0));
+    for (scene, law) in [(&dark, Hapke::moon()), (&mapped, Hapke { single_scattering_albedo: 0.4, ..Hapke::moon() })] {
+        let view = view.clone().with_reflectance(Reflectance::Hapke(law));
+        let sky = SkyReflectance::new(&view.reflectance);
+        for renderer in [Renderer::Reference, Renderer::on(gpu)] {
+            let samples = renderer.samples(scene, &view).unwrap();
+            for (column, pixel) in samples.pixels.iter().enumerate() {
+                let mu = 12.0 / (column as f64 - 16.0).hypot(12.0);
+                let expected = sky.sr(1.0, mu) * std::f64::consts::PI * 100.0;
+                let off = f64::from(pixel.radiance_w_m2_sr) / expected - 1.0;
+                assert!(off.abs() < 2e-3, "{renderer:?}, {column}: {off}, {pixel:?}");
+            }
+        }
     }
 }

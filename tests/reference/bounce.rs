@@ -7,7 +7,7 @@ use perilune_engine::camera::Pose;
 use perilune_engine::geometry::{Direction, Position};
 use perilune_engine::horizon::Settings;
 use perilune_engine::photometry::{Hapke, Reflectance};
-use perilune_engine::render::reference::irradiance_w_m2;
+use perilune_engine::render::direct::irradiance_w_m2;
 use perilune_engine::render::{AlbedoRole, Bounce, Light, Renderer, Scene, View, planes};
 use perilune_engine::shadow::Skylines;
 use perilune_engine::shadow::traced::TracedShadow;
@@ -61,9 +61,19 @@ fn bowl() -> Terrain {
 /// Bounced irradiance at a map point.
 fn bounced(scene: &Scene, view: &View, at_m: DVec2) -> f64 {
     let shadow = perilune_engine::render::reference::shadow(scene, view, &Skylines::default()).unwrap();
-    let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(scene, view, shadow.as_deref());
-    let level = &scene.surface.terrain.faces[0].levels[0];
-    level.bilinear_of(&field[0][0], level.grid_from_map(at_m)).unwrap()
+    let light = scene.bounce.as_ref().unwrap().light(scene, view, shadow.as_deref());
+    light.irradiance_w_m2(scene, &ground_at(scene, at_m))
+}
+
+/// The ground at a map point.
+fn ground_at(scene: &Scene, at_m: DVec2) -> Hit {
+    let face = &scene.surface.terrain.faces[0];
+    let lifted = at_m.extend(face.levels[0].bilinear_m(face.levels[0].grid_from_map(at_m)).unwrap());
+    Hit {
+        ground: Ground::Dem { face: 0, level: 0, lifted },
+        position: face.map.body_from_lifted(lifted),
+        distance_m: 0.0,
+    }
 }
 
 /// `E = A F₀ sin e f (1 − f)`, uniform over the bowl, with f = 1/(1 + (d/D)²/4), whether parts of it lie in shadow or not. The
@@ -89,7 +99,6 @@ fn a_bowl_bounces_the_same_light_onto_all_of_itself() {
 /// The believed bounce at a node: 64 × 16 rays of equal form factor over the facet's hemisphere, each to the ground that it
 /// meets, with that ground's own traced shadow.
 fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
-    let (azimuths, rings) = (64, 16);
     let face = &scene.surface.terrain.faces[0];
     let lifted = face.levels[0].lifted_node(node[0], node[1]);
     let hit = |lifted: DVec3| Hit {
@@ -98,9 +107,21 @@ fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
         distance_m: 0.0,
     };
     let start = hit(lifted);
-    let normal = planes::normal(scene, &start).unit();
-    let (x, y) = normal.any_orthonormal_pair();
     let shadow = TracedShadow { surface: &scene.surface, settings: Settings::default() };
+    PI * over_the_hemisphere(scene, view, &shadow, &start, |_, radiance| radiance)
+}
+
+/// The mean of something of the direction and the radiance of ground over rays of equal form factor.
+fn over_the_hemisphere(
+    scene: &Scene,
+    view: &View,
+    shadow: &TracedShadow,
+    start: &Hit,
+    of_ray: impl Fn(DVec3, f64) -> f64,
+) -> f64 {
+    let (azimuths, rings) = (64, 16);
+    let normal = planes::normal(scene, start).unit();
+    let (x, y) = normal.any_orthonormal_pair();
     let above = Position::from_m(start.position.vector_m() + 0.02 * normal);
     let mut sum = 0.0;
     for ring in 0..rings {
@@ -112,14 +133,15 @@ fn by_rays(scene: &Scene, view: &View, node: [usize; 2]) -> f64 {
             if !matches!(met.ground, Ground::Dem { .. }) {
                 continue;
             }
-            let irradiance_w_m2 = irradiance_w_m2(scene, Some(&shadow), &met, (0, &view.lights[0]));
+            let irradiance_w_m2 = irradiance_w_m2(scene, Some(shadow), &met, (0, &view.lights[0]));
             let there = planes::normal(scene, &met).unit();
             let to_sun = met.position.direction_to(view.lights[0].position).unwrap().unit();
             let [mu0, mu] = [to_sun, -direction].map(|towards| there.dot(towards).max(0.0));
-            sum += view.reflectance.brdf_sr(mu0, mu, to_sun.dot(-direction)) * irradiance_w_m2;
+            let radiance = view.reflectance.brdf_sr(mu0, mu, to_sun.dot(-direction)) * irradiance_w_m2;
+            sum += of_ray(direction, radiance);
         }
     }
-    PI * sum / f64::from(rings * azimuths)
+    sum / f64::from(rings * azimuths)
 }
 
 /// Rough ground of waves under a low Sun: single points are off by what their few rays meet, the mean hardly.
@@ -141,10 +163,10 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
                 believed = nodes.iter().map(|node| by_rays(&scene, &view, *node)).collect();
             }
             let shadow = perilune_engine::render::reference::shadow(&scene, &view, &Skylines::default()).unwrap();
-            let field = scene.bounce.as_ref().unwrap().irradiance_w_m2(&scene, &view, shadow.as_deref());
+            let light = scene.bounce.as_ref().unwrap().light(&scene, &view, shadow.as_deref());
             let level = &scene.surface.terrain.faces[0].levels[0];
-            let got: Vec<f64> =
-                nodes.iter().map(|[column, row]| f64::from(field[0][0][level.index(*column, *row)])).collect();
+            let at = |[column, row]: &[usize; 2]| ground_at(&scene, level.node_m(*column, *row));
+            let got: Vec<f64> = nodes.iter().map(|node| light.irradiance_w_m2(&scene, &at(node))).collect();
             let mean = believed.iter().sum::<f64>() / believed.len() as f64;
             let bias = got.iter().sum::<f64>() / got.len() as f64 / mean - 1.0;
             let squares: f64 = got.iter().zip(&believed).map(|(a, b)| (a - b).powi(2)).sum();
@@ -157,6 +179,71 @@ fn rough_ground_bounces_what_a_hemisphere_of_traced_rays_meets() {
             assert!(bias.abs() < most_bias && rms < most_rms, "{bias} {rms}");
         }
     }
+}
+
+/// In a spherical bowl of Lambert ground each order of light is the same everywhere, and the share `A f` of the one before.
+#[test]
+fn each_further_order_is_the_share_that_the_bowl_returns() {
+    let f = 1.0 / (1.0 + 25.0 / 4.0);
+    let view = view(sun(60.0), 3000.0);
+    let of_orders = |orders: usize| {
+        let scene = with_bounce(bowl(), 32, 4);
+        let again = Bounce::new(&scene.surface, scene.shadows.maps().unwrap(), 32, 4).with_orders(orders);
+        let scene = scene.with_bounce(again);
+        bounced(&scene, &view, DVec2::new(300.0, 0.0))
+    };
+    let [once, twice, thrice] = [1, 2, 3].map(of_orders);
+    let [second, third] = [(twice - once) / once, (thrice - twice) / (twice - once)];
+    println!("second over first {second:.4}, third over second {third:.4}, closed form {:.4}", 0.2 * f);
+    assert!((second / (0.2 * f) - 1.0).abs() < 0.03 && (third / (0.2 * f) - 1.0).abs() < 0.05);
+}
+
+/// Light that a bowl of Hapke's ground gathers from its sunlit wall, reflected towards a camera: by sectors, as if all came along
+/// the normal, as if all came from its mean direction, against rays over the hemisphere.
+#[test]
+fn bounced_light_is_reflected_from_where_it_comes() {
+    let law = Reflectance::Hapke(Hapke::moon());
+    let scene = with_bounce(bowl(), 32, 4);
+    let shadow = TracedShadow { surface: &scene.surface, settings: Settings::default() };
+    let mut worst = [0.0_f64; 2];
+    for sun_deg in [15.0, 60.0] {
+        let view = view(sun(sun_deg), 3000.0).with_reflectance(law);
+        let light = scene.bounce.as_ref().unwrap().light(&scene, &view, Some(&shadow));
+        for at_m in [DVec2::ZERO, DVec2::new(300.0, 0.0), DVec2::new(-500.0, 200.0), DVec2::new(0.0, -700.0)] {
+            let here = ground_at(&scene, at_m);
+            let by_rays_w_m2 = PI * over_the_hemisphere(&scene, &view, &shadow, &here, |_, radiance| radiance);
+            for towards in [DVec3::Z, DVec3::new(0.5, 0.2, 1.0), DVec3::new(-1.0, 0.3, 1.0), DVec3::new(-0.4, 0.9, 0.8)]
+            {
+                let towards = map(&flat_body()).map_from_body.inverse().turn(towards.normalize());
+                let expected = reflected_by_rays(&scene, &view, &shadow, &here, towards);
+                let got = light.radiance(&scene, &view, &here, Direction::new(towards).unwrap());
+                let mu = planes::normal(&scene, &here).unit().dot(towards);
+                // Over the irradiance, which has an error of its own.
+                let expected = expected / by_rays_w_m2;
+                let got = got / light.irradiance_w_m2(&scene, &here);
+                let along_normal = law.brdf_sr(1.0, mu, mu);
+                println!(
+                    "Sun at {sun_deg}°, {at_m}: by rays {expected:.4}/sr, by sectors {got:.4}, along the normal {along_normal:.4}"
+                );
+                for (worst, value) in worst.iter_mut().zip([got, along_normal]) {
+                    *worst = worst.max((value / expected - 1.0).abs());
+                }
+            }
+        }
+    }
+    println!("by sectors off by up to {:.1} %, along the normal {:.1} %", 100.0 * worst[0], 100.0 * worst[1]);
+    assert!(worst[0] < 0.1 && worst[1] > 0.5, "{worst:?}");
+}
+
+/// Radiance towards a direction of what rays over the hemisphere bring.
+fn reflected_by_rays(scene: &Scene, view: &View, shadow: &TracedShadow, here: &Hit, towards: DVec3) -> f64 {
+    let normal = planes::normal(scene, here).unit();
+    let mu = normal.dot(towards);
+    let light = |direction: DVec3, radiance: f64| {
+        let mu0 = normal.dot(direction);
+        view.reflectance.brdf_sr(mu0, mu, direction.dot(towards)) * radiance
+    };
+    PI * over_the_hemisphere(scene, view, shadow, here, light)
 }
 
 /// Both renderers add the same light, and none where nobody asks.

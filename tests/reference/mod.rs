@@ -15,4 +15,5 @@ mod raster;
 mod render;
 mod ridge;
 mod sky;
+mod slopes;
 mod trajectory;

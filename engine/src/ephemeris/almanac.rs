@@ -235,6 +235,28 @@ impl Almanac {
         Ok(BodyFrame { body, frame_name: frame_name(frame_id), frame_id })
     }
 
+    /// The same for some epochs. Where the tabulated orientation of the best frame does not reach all of them, it is the frame of
+    /// the constants, and a line says so.
+    pub fn body_frame_at(
+        &self,
+        body: &str,
+        frame: Option<&str>,
+        epochs: &[Epoch],
+    ) -> Result<(BodyFrame, Option<String>), EphemerisError> {
+        let best = self.body_frame(body, frame)?;
+        let by_constants =
+            BodyFrame { frame_id: best.body.naif_id, frame_name: frame_name(best.body.naif_id), ..best.clone() };
+        let outside = epochs.iter().find_map(|epoch| self.orientation(&best, *epoch).err());
+        let Some(why) = outside.filter(|_| frame.is_none() && best.frame_id != by_constants.frame_id) else {
+            return Ok((best, None));
+        };
+        if !self.has_frame(by_constants.frame_id) {
+            return Ok((best, None));
+        }
+        let note = format!("the frame is {}, up to 0.005° from {}: {why}", by_constants.frame_name, best.frame_name);
+        Ok((by_constants, Some(note)))
+    }
+
     fn has_frame(&self, id: i32) -> bool {
         let tabulated = |id| self.segments(Kind::Bpc, id).next().is_some();
         match LUNAR_FRAMES.iter().find(|frame| frame.id == id) {

@@ -1,4 +1,5 @@
-//! The kernels that come with the program, made from analytic series.
+//! The kernels that come with the program: positions from analytic series, and as they are an excerpt of constants and one of the
+//! orientation of the Moon of DE440, 2000 to 2030.
 //!
 //! SOFA's `epv00` (Earth and Sun, from VSOP2000), `moon98` (the Moon, Meeus) and `plan94` (Mars, Simon) are
 //! sampled at Chebyshev nodes and written as SPK type 2:
@@ -36,12 +37,10 @@ use rayon::prelude::*;
 use super::EphemerisError;
 use super::daf::{ChebyshevSegment, write_spk};
 use super::epoch::utc_text;
-use super::shipped::DEFAULT_KERNELS;
+use super::shipped::{DEFAULT_KERNELS, SHIPPED};
 use crate::files;
 use crate::quantity::ASTRONOMICAL_UNIT_M;
 
-/// Radii, rotations and masses, an excerpt of `pck00011.tpc` and `gm_de440.tpc`.
-const CONSTANTS: &str = include_str!("../../../kernels/perilune_iau.tpc");
 /// Mass of the Earth over that of the Moon. DE440.
 const EARTH_MOON_MASS_RATIO: f64 = 81.300_568_221_497_22;
 const ASTRONOMICAL_UNIT_KM: f64 = ASTRONOMICAL_UNIT_M / 1000.0;
@@ -105,15 +104,16 @@ const SERIES: [Series; 5] = [
     },
 ];
 
-/// Writes the default kernels for a span into a folder and returns their paths.
+/// Writes the default kernels, positions for a span, into a folder and returns their paths.
 ///
 /// The span of the committed files is 2020-01-01 to 2041-01-01; another span keeps their names.
 pub fn make_default_kernels(folder: &Path, from: Epoch, until: Epoch) -> Result<Vec<PathBuf>, EphemerisError> {
     let spk = make_spk(from, until)?;
     std::fs::create_dir_all(folder).map_err(|source| EphemerisError::Unwritable { path: folder.to_owned(), source })?;
     let mut paths = Vec::new();
-    for (name, bytes) in DEFAULT_KERNELS.into_iter().zip([spk.as_slice(), CONSTANTS.as_bytes()]) {
-        let path = folder.join(name);
+    for kernel in &SHIPPED {
+        let path = folder.join(kernel.name);
+        let bytes = if kernel.name == DEFAULT_KERNELS[0] { spk.as_slice() } else { kernel.bytes };
         files::write(&path, bytes).map_err(|source| EphemerisError::Unwritable { path: path.clone(), source })?;
         paths.push(path);
     }

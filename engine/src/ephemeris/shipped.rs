@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-/// Names of the default kernels: positions, then constants.
-pub const DEFAULT_KERNELS: [&str; 2] = ["perilune_2020_2040.bsp", "perilune_iau.tpc"];
+/// Names of the default kernels: positions, constants, and the orientation of the Moon of DE440 with its frames.
+pub const DEFAULT_KERNELS: [&str; 4] =
+    ["perilune_2020_2040.bsp", "perilune_iau.tpc", "moon_pa_de440_2000_2030.bpc", "moon_de440_220930.tf"];
 
 /// A kernel inside the program.
 #[derive(Debug, PartialEq, Eq)]
@@ -13,9 +14,11 @@ pub struct ShippedKernel {
     pub bytes: &'static [u8],
 }
 
-static SHIPPED: [ShippedKernel; 2] = [
+pub(super) static SHIPPED: [ShippedKernel; 4] = [
     ShippedKernel { name: DEFAULT_KERNELS[0], bytes: include_bytes!("../../../kernels/perilune_2020_2040.bsp") },
     ShippedKernel { name: DEFAULT_KERNELS[1], bytes: include_bytes!("../../../kernels/perilune_iau.tpc") },
+    ShippedKernel { name: DEFAULT_KERNELS[2], bytes: include_bytes!("../../../kernels/moon_pa_de440_2000_2030.bpc") },
+    ShippedKernel { name: DEFAULT_KERNELS[3], bytes: include_bytes!("../../../kernels/moon_de440_220930.tf") },
 ];
 
 /// Where a kernel's bytes come from.

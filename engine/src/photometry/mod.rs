@@ -4,7 +4,7 @@
 //! - [`LimbDarkening`]: how it darkens towards its limb; [`eclipse`]: what another disc leaves of it
 //! - [`SolarSpectrum`] and [`Curve`]: sunlight through a camera's band
 //! - [`Reflectance`]: radiance per irradiance of the ground, of which empirical laws have a [`DiscFunction`] and a
-//!   [`PhaseFunction`]
+//!   [`PhaseFunction`]; [`SkyReflectance`]: the same under an even sky
 //! - [`quadrature`]: the Gauss–Legendre rule that both use
 //!
 //! The shaders [`SOLAR_DISK_WGSL`] and [`REFLECTANCE_WGSL`] do the same in `f32`; `tests/conformance` holds the
@@ -19,6 +19,7 @@ mod parameter_sets;
 mod phase_function;
 pub mod quadrature;
 mod reflectance;
+mod sky_reflectance;
 mod solar_disk;
 mod spectrum;
 mod tangent_plane;
@@ -29,6 +30,7 @@ pub use hapke::{Hapke, MultipleScattering};
 pub use limb_darkening::LimbDarkening;
 pub use phase_function::{PhaseFunction, lunar_disc_reflectance};
 pub use reflectance::{Reflectance, ReflectanceParameters};
+pub use sky_reflectance::SkyReflectance;
 pub use solar_disk::{DiskLight, SolarDisk};
 pub use spectrum::{BandLight, SolarSpectrum};
 pub use tangent_plane::{Facet, HorizonLine, SunAxes};

@@ -72,8 +72,8 @@ fn workload(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) -> W
             || scenario.bounce.is_some(),
         spanned: azimuths_spanned(surface, &lights),
         swept: new.iter().map(|&index| azimuths_spanned(surface, &lights[index..=index])).sum(),
-        images: lights.len(),
-        samples: lights.len() as f64
+        images: exposures.len(),
+        samples: exposures.len() as f64
             * f64::from(camera.columns)
             * f64::from(camera.rows)
             * f64::from(camera.samples_per_pixel),
@@ -82,9 +82,10 @@ fn workload(scenario: &Scenario, surface: &Surface, exposures: &[Exposure]) -> W
     }
 }
 
-/// All lights of each exposure, as methods see them that find horizons in advance.
+/// All lights of the exposures, as methods see them that find horizons in advance: of images that take their time, more than one
+/// set each.
 pub fn lights(exposures: &[Exposure]) -> Vec<Vec<QuantizedLight>> {
-    exposures.iter().map(|exposure| exposure.view.quantized_lights()).collect()
+    exposures.iter().flat_map(Exposure::quantized_lights).collect()
 }
 
 /// The cheapest method that errs by no more than `allowed`.

@@ -44,8 +44,13 @@ pub fn take(
     let detector = exposure.view.detector.clone();
     let mut captured = |timing: Timing, exposure_s: f64| -> Result<(Capture, Vec<Vec<Pose>>), Error> {
         let imaging = Imaging { timing, ..imaging.clone() };
-        let poses = motion.poses(almanac, frame, exposure.epoch, &timing.times_s(exposure_s))?;
-        Ok((imaging.take(session, &exposure.view, &poses)?, poses))
+        let times_s = timing.times_s(exposure_s);
+        let poses = motion.poses(almanac, frame, exposure.epoch, &times_s)?;
+        let of_band = |(times_s, poses): (&Vec<f64>, &Vec<Pose>)| {
+            times_s.iter().zip(poses).map(|(time_s, pose)| exposure.view_at(*time_s, pose)).collect()
+        };
+        let views = times_s.iter().zip(&poses).map(of_band).collect();
+        Ok((imaging.take(session, views)?, poses))
     };
     let (timing, written_s) = (imaging.timing, scenario.camera.exposure_s);
     let (light, poses, exposure_s) = match scenario.camera.auto_exposure.zip(detector.as_ref()) {

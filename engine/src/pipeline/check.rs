@@ -56,12 +56,13 @@ pub fn check(scenario: &Scenario, cache: &Path, progress: &dyn Progress) -> Chec
         .map_err(Error::from)
         .and_then(|almanac| Ok((body_frame(scenario, &almanac)?, almanac)));
     match loaded {
-        Ok((frame, almanac)) => {
+        Ok(((frame, note), almanac)) => {
             // Views repeat what is wrong with the camera.
             let known: Vec<String> = problems.iter().map(ToString::to_string).collect();
             let (found, facts) = poses(scenario, &almanac, &frame, &mut here, checked.over_terrain, progress);
             problems.extend(found.into_iter().filter(|problem| !known.contains(&problem.to_string())));
             if let Some((facts, odd)) = facts {
+                note.iter().for_each(|note| progress.say(note));
                 checked.warnings.extend(odd);
                 checked.facts = Some(facts);
             }
@@ -155,7 +156,7 @@ fn poses(
     let exposures: Vec<_> = exposures.into_iter().flatten().collect();
     let lights = auto::lights(&exposures);
     let refusal = scenario.shadows.method().and_then(|method| method.refusal(surface, &lights)).map(Error::from);
-    let moves = sequence::check(scenario, &exposures).err();
+    let moves = sequence::check(scenario, &exposures).err().or(motion::band(scenario, &exposures).err());
     // It fails over what fails already.
     let looked = looked.filter(|_| failed.is_empty());
     let mut problems: Vec<Error> =

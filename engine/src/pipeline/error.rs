@@ -57,6 +57,8 @@ pub enum Error {
          the ground below it {ground_m:.1} m; the camera must be above the ground"
     )]
     BelowGround { exposure: usize, epoch_utc: String, height_m: f64, ground_m: f64 },
+    #[error("horizon.band: true keeps of horizons what decides about one part of the sky, but {why}; leave it out")]
+    NoBand { why: &'static str },
     #[error(transparent)]
     Shadows(Box<crate::shadow::PrepareError>),
     #[error(

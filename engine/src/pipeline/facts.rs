@@ -51,12 +51,25 @@ pub struct ViewFacts {
     pub height_above_ground_m: [f64; 2],
     /// `None`: no ray meets the body.
     pub pixel_m: Option<[f64; 2]>,
+    /// Rays through each pixel.
+    pub rays_a_pixel: u32,
+    /// Of the terrain's nodes where they are finest; `None`: there is no terrain.
+    pub finest_posting_m: Option<f64>,
     /// Of the rays on ground, those on elevation models; of the worst exposure and of the best.
     pub share_on_models: Option<[f64; 2]>,
     /// Of all rays, those that meet the body.
     pub share_on_body: [f64; 2],
     /// Where the images' middles look.
     pub target: Option<Extent>,
+}
+
+impl ViewFacts {
+    /// Rays that leave little aliasing: a quarter of the nodes in the largest pixel. Under a Sun at 2° four rays leave 1.5 % RMS of the
+    /// light over pixels of 3.2 postings and 6.3 % over 12; sixteen leave 0.4 and 1.5 %.
+    pub fn rays_advised(&self) -> Option<u32> {
+        let postings = self.pixel_m?[1] / self.finest_posting_m?;
+        Some((0.25 * postings * postings).ceil().min(f64::from(u32::MAX)) as u32)
+    }
 }
 
 /// Where the Sun stands over the ground that the images' middles show.
@@ -164,7 +177,7 @@ pub fn gather(scenario: &Scenario, known: &Known) -> Result<(Facts, Vec<String>)
     let detector = exposures.first().and_then(|exposure| exposure.view.detector.as_ref());
     let facts = Facts {
         models: models.to_vec(),
-        view: view(&looks),
+        view: view(&looks, scenario, surface),
         sun: sun(&looks),
         signal: signal::signal(&looks, &expected, detector),
         shadows,
@@ -179,7 +192,8 @@ fn chosen(count: usize) -> Vec<usize> {
     (0..looked).map(|index| if looked > 1 { index * (count - 1) / (looked - 1) } else { 0 }).collect()
 }
 
-fn view(looks: &[Look]) -> ViewFacts {
+fn view(looks: &[Look], scenario: &Scenario, surface: &Surface) -> ViewFacts {
+    let postings_m = surface.terrain.faces.iter().flat_map(|face| &face.levels).map(|level| level.posting_m);
     let range = |value: &dyn Fn(&Look) -> f64| least_and_greatest(looks.iter().map(value)).unwrap_or_default();
     let shares = looks.iter().filter(|look| look.on_ground() > 0);
     let targets: Vec<_> = looks.iter().filter(|look| look.on_ground() > 0).map(|look| look.target).collect();
@@ -188,6 +202,8 @@ fn view(looks: &[Look]) -> ViewFacts {
         rays_each: looks.first().map_or(0, |look| look.rays),
         height_above_ground_m: range(&|look| look.height_m),
         pixel_m: least_and_greatest(looks.iter().filter_map(|look| look.pixel_m).flatten()),
+        rays_a_pixel: scenario.camera.samples_per_pixel,
+        finest_posting_m: postings_m.min_by(f64::total_cmp),
         share_on_models: least_and_greatest(shares.map(|look| look.on_models as f64 / look.on_ground() as f64)),
         share_on_body: range(&|look| look.on_ground() as f64 / look.rays.max(1) as f64),
         target: Extent::around(&targets, [false; 2]),

@@ -10,12 +10,13 @@
 //! # Assumptions
 //! - All of a scene sees the eclipse that the terrain's centre sees: the Moon's penumbra is 3600 km wide, so that `V` varies by
 //!   up to 0.04 % a kilometre.
+//! - While an image takes its time, its lights move in steps of a second: half of one is 0.25″, 1/3800 of the Sun's radius.
 //! - An eclipsed Sun is dimmer, not smaller: its light keeps coming from the whole disc.
 //! - The Earth is a Lambert sphere, whose Bond albedo is 3p/2: with that of CERES, 0.29, p is 0.196, and the ground gets
 //!   0.073 W/m² at full Earth. What is measured there is 0.15 W/m², half of it thermal, and changes by 30 % as the Earth
 //!   turns (Glenar et al. 2019).
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 
 use super::{Error, scene};
 use crate::ephemeris::{self, Almanac, BodyFrame, EARTH_RADIUS_M, EphemerisError, Source};
@@ -56,6 +57,12 @@ impl Sky<'_> {
             lights.push(self.light(&earth, earthshine_w_m2(&sun, &earth, albedo, at_1_au_w_m2)));
         }
         Ok(Lit { sun, eclipse_share, lights })
+    }
+
+    /// The lights at times from an instant.
+    pub fn during(&self, epoch: Epoch, times_s: &[f64]) -> Result<Vec<(f64, Vec<Light>)>, Error> {
+        let at = |time_s: &f64| Ok((*time_s, self.at(epoch + *time_s * Unit::Second)?.lights));
+        times_s.iter().map(at).collect()
     }
 
     fn reference(&self) -> Position<BodyFixed> {

@@ -9,10 +9,11 @@ use crate::ephemeris::aem::Aem;
 use crate::ephemeris::attitude::{AttitudeTable, Pointing, Quaternion, Top};
 use crate::ephemeris::trajectory::{Elements, Oem, SpkObject, SplineEnds, Trajectory, TwoBody, Waypoints};
 use crate::ephemeris::{Almanac, BodyFrame, Source, utc_text};
-use crate::geometry::{BodyFixed, Geodetic, Position};
+use crate::geometry::{BodyFixed, Direction, Geodetic, Position};
 use crate::horizon::ElevationBand;
-use crate::render::View;
+use crate::render::{Light, View};
 use crate::scenario::{self, HeightAbove, Scenario, Towards};
+use crate::shadow::QuantizedLight;
 use crate::terrain::Surface;
 
 /// An exposure: its instant, the Sun over the terrain's centre, and what a renderer sees at that instant.
@@ -27,6 +28,28 @@ pub struct Exposure {
     /// Share of the Sun's light that the Earth leaves; `None`: nobody asked, or no kernel has the Earth.
     pub eclipse_share: Option<f64>,
     pub view: View,
+    /// At times from the epoch, in order, while an image takes its time; none: the view's all the time.
+    pub moving_lights: Vec<(f64, Vec<Light>)>,
+}
+
+impl Exposure {
+    /// The view at a time from the epoch.
+    pub fn view_at(&self, time_s: f64, pose: &Pose) -> View {
+        let view = self.view.from(pose);
+        let later = self.moving_lights.partition_point(|(at_s, _)| *at_s < time_s);
+        let beside = self.moving_lights[later.saturating_sub(1)..].iter().take(2);
+        let nearest = beside.min_by(|a, b| (a.0 - time_s).abs().total_cmp(&(b.0 - time_s).abs()));
+        nearest.map_or(view.clone(), |(_, lights)| View { lights: lights.clone(), ..view })
+    }
+
+    /// The lights as methods see them that find horizons in advance: all that the image is lit by, in their order.
+    pub fn quantized_lights(&self) -> Vec<Vec<QuantizedLight>> {
+        let own = [&self.view.lights].into_iter().chain(self.moving_lights.iter().map(|(_, lights)| lights));
+        let quantized = |light: &Light| QuantizedLight::new(light.position, light.angular_radius_rad);
+        let mut all: Vec<Vec<_>> = own.map(|lights| lights.iter().map(quantized).collect()).collect();
+        all.dedup();
+        all
+    }
 }
 
 /// Where the camera is at any epoch, and how it is turned.
@@ -88,6 +111,7 @@ fn of_point(
     let motion = Motion::new(scenario, almanac, frame, surface)?;
     let sky = Sky { scenario, almanac, frame, centre };
     let reach_s = scene::timing(scenario).reach_s(scenario.camera.longest_exposure_s());
+    let seconds = scene::timing(scenario).seconds();
     let exposure = |(index, &epoch): (usize, &Epoch)| {
         let index = first + index;
         // The middle last: it is the view's. Poses in between are met while rendering, within the same spans.
@@ -101,7 +125,8 @@ fn of_point(
         let (pose, velocity_m_s) = middle.expect("the middle is among the ends");
         let Lit { sun, eclipse_share, lights } = sky.at(epoch)?;
         let view = View { exposure: index as u64, ..scene::view(scenario, pose, lights)? };
-        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view })
+        let moving_lights = sky.during(epoch, &seconds)?;
+        Ok(Exposure { point, epoch, velocity_m_s, sun, eclipse_share, view, moving_lights })
     };
     Ok((scenario.exposures.iter().enumerate().map(exposure).collect(), motion))
 }
@@ -170,13 +195,31 @@ fn nearest(poses: &[(f64, Pose)], offset_s: f64) -> Pose {
     poses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("an ISD has a pose").1
 }
 
+/// A band of a larger reach leaves out nothing that a skyline has.
+const WIDEST_BAND_RAD: f64 = std::f64::consts::FRAC_PI_3;
+
 /// The elevations that the Sun's disc reaches in the exposures, where the scenario asks for horizons within them.
-/// None under earthshine, ambient or bounced light: those come from elsewhere.
-pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Option<ElevationBand> {
-    let suns: Vec<_> = exposures.iter().map(|e| (e.sun.direction, e.sun.angular_radius_rad)).collect();
-    let sun_only = scenario.earthshine_albedo.is_none() && scenario.ambient.is_none() && scenario.bounce.is_none();
-    let wanted = scenario.horizon.band && sun_only;
-    if wanted { ElevationBand::about(&suns) } else { None }
+pub fn band(scenario: &Scenario, exposures: &[Exposure]) -> Result<Option<ElevationBand>, Error> {
+    if !scenario.horizon.band {
+        return Ok(None);
+    }
+    let others = [
+        (scenario.earthshine_albedo.is_some(), "earthshine comes from elsewhere"),
+        (scenario.ambient.is_some(), "ambient light comes from elsewhere"),
+        (scenario.bounce.is_some(), "bounced light comes from elsewhere"),
+    ];
+    if let Some((_, why)) = others.into_iter().find(|(is_there, _)| *is_there) {
+        return Err(Error::NoBand { why });
+    }
+    let of_exposure = |exposure: &Exposure| -> Vec<_> {
+        let moving =
+            exposure.moving_lights.iter().filter_map(|(_, lights)| Direction::new(lights[0].position.vector_m()));
+        [exposure.sun.direction].into_iter().chain(moving).map(|sun| (sun, exposure.sun.angular_radius_rad)).collect()
+    };
+    let suns: Vec<_> = exposures.iter().flat_map(of_exposure).collect();
+    let band = ElevationBand::about(&suns).filter(|band| band.reach_rad < WIDEST_BAND_RAD);
+    let why = "over its exposures the Sun goes through more than 120°, so that hardly an elevation could be left out";
+    band.map(Some).ok_or(Error::NoBand { why })
 }
 
 fn check_clearance(surface: &Surface, index: usize, epoch: Epoch, position: Position<BodyFixed>) -> Result<(), Error> {

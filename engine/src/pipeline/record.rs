@@ -53,7 +53,8 @@ fn made_from(scenario: &Scenario, prepared: &Prepared, adapter: &str) -> serde_j
     all["adapter"] = adapter.into();
     all["frame"] = prepared.frame.frame_name.as_str().into();
     all["shadow_method"] = prepared.shadows.method.spelling().into();
-    all["horizon_band"] = motion::band(scenario, &prepared.exposures).map(|band| format!("{band:?}")).into();
+    all["horizon_band"] =
+        motion::band(scenario, &prepared.exposures).ok().flatten().map(|band| format!("{band:?}")).into();
     if let Some(globe) = &prepared.ground.globe {
         all["globe"] = globe.record();
     }

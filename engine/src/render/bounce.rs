@@ -3,20 +3,23 @@
 //! A point of normal `n` sees ground between its own plane and its skyline. In azimuths `A` all round
 //!
 //! ```text
-//! E = ∫∫ L (n·ω) dΩ ≈ Σ_A Σ_ε L(A, ε) w(A, ε)      w = ΔA (h − p) g_ε (n_A cos² ε + n_z sin ε cos ε)
+//! E = ∫∫ L (n·ω) dΩ ≈ n · Σ_A Σ_ε L(A, ε) Ω(A, ε) ω(A, ε)      Ω = ΔA (h − p) g_ε cos ε
 //! ```
 //!
-//! with `h(A)` the skyline of the horizon map, `p(A)` the plane's elevation, `n_A` and `n_z` the normal's parts along the
-//! azimuth and upwards, `g_ε` the Gauss–Legendre weights of the elevations between `p` and `h`: form factors from the
-//! horizon map. A ray through the middle of each finds the ground that is seen there, once for all Suns. Its radiance is
-//! `f_r E_sun`, with the irradiance of the exposure's Sun, shadows included.
+//! with `h(A)` the skyline of the horizon map, `p(A)` the plane's elevation, `g_ε` the Gauss–Legendre weights of the elevations
+//! between `p` and `h`: solid angles from the horizon map. A ray through the middle of each finds the ground that is seen
+//! there, once for all Suns. Its radiance is `f_r E_sun`, with the irradiance of the exposure's Sun, shadows included.
 //!
-//! Rays start from at most [`POINTS`] × [`POINTS`] nodes of a level; between these nodes bounced light is bilinear, and so is the
-//! sunlight that it comes from.
+//! What a point receives is kept by [`SECTORS`] sectors of azimuth, each as the vector `V = Σ L Ω ω`: ground of normal `n` gets
+//! the irradiance `n·V` from the direction of `V`, and reflects it as light from there.
+//!
+//! Rays start from at most [`POINTS`] × [`POINTS`] nodes of a level; between these nodes the vectors are bilinear, and so is the
+//! sunlight that they come from.
 //!
 //! # Assumptions
-//! - One bounce of the Sun's light: in a bowl the rest is the share `A f` of it, `f = D/(2R)`, 2 % for lunar ground.
-//! - The receiving ground reflects it as if it came along the normal.
+//! - One bounce of the Sun's light, or as many as [`Bounce::with_orders`] says: in a bowl each next one is the share `A f` of the
+//!   one before, `f = D/(2R)`, 2 % for lunar ground.
+//! - A sector's light comes from one direction.
 //!
 //! Measured (`tests/reference/bounce.rs`): against the closed form of a bowl, depth a fifth of its diameter, at four
 //! places; on waves of 60 m against 1024 rays a point over the hemisphere with traced shadows at their ends:
@@ -26,6 +29,9 @@
 //! | 16 × 2 | 1.2 % | 3.0 % | 12 % | +5.9 % | 16 % |
 //! | 32 × 4 (default) | 1.1 % | 2.3 % | 3.1 % | −0.03 % | 7 % |
 //!
+//! A second order adds 6.1 % to the light of Shackleton's floor within 4 km of its middle and 1.3 % to all of the shadow in it (LOLA
+//! at 240 m, Hapke's Moon, Sun at 1.5°), the third 2.5 and 2 % of the second; in the bowl 2.7 % of the one before (closed form 2.8 %).
+//!
 //! # References
 //! Ingersoll, Svitek & Murray (1992), Icarus 100, 40, doi:10.1016/0019-1035(92)90016-Z, for the bowl; Mazarico et al. (2018),
 //! Adv. Space Res. 62, 3214, for bounces in lunar illumination.
@@ -34,7 +40,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::geometry::Direction;
-use crate::grid::{Cell, Grid2};
+use crate::grid::Cell;
 use crate::horizon::HorizonMap;
 use crate::photometry::quadrature::gauss_legendre;
 use crate::shadow::sky::{directions, facet, tangent};
@@ -43,6 +49,9 @@ use crate::terrain::{Face, Ground, Hit, Level, Surface};
 /// Most points along a side of a level that rays start from.
 pub const POINTS: usize = 129;
 
+/// Sectors of map azimuth, the first one from north on clockwise.
+pub const SECTORS: usize = 8;
+
 /// How far above its node a ray starts, in postings: clear of its own cells' rounding.
 const LIFT: f64 = 1e-3;
 
@@ -50,15 +59,17 @@ const LIFT: f64 = 1e-3;
 #[derive(Debug)]
 pub struct Bounce {
     pub(super) gathers: Vec<Vec<Gather>>,
+    /// How often light is reflected before it is gathered.
+    pub(super) orders: usize,
 }
 
 /// The points of a level, and the rays of each.
 #[derive(Debug)]
 pub(super) struct Gather {
     /// Nodes from one point to the next; the last point is the last seen node.
-    step: usize,
-    columns: usize,
-    rows: usize,
+    pub(super) step: usize,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
     pub(super) rays: Vec<Vec<Ray>>,
 }
 
@@ -69,8 +80,8 @@ pub(super) struct Ray {
     pub(super) level: u16,
     /// In nodes of that level.
     pub(super) grid: [f32; 2],
-    /// `w`, in sr.
-    pub(super) weight_sr: f32,
+    /// `Ω`
+    pub(super) solid_angle_sr: f32,
 }
 
 impl Bounce {
@@ -88,7 +99,12 @@ impl Bounce {
         let faces = surface.terrain.faces.iter().enumerate();
         let of_face =
             |(face, levels): (usize, &Face)| (0..levels.levels.len()).map(|level| of_level(face, level)).collect();
-        Self { gathers: faces.map(of_face).collect() }
+        Self { gathers: faces.map(of_face).collect(), orders: 1 }
+    }
+
+    /// With light that was reflected up to so many times.
+    pub fn with_orders(self, orders: usize) -> Self {
+        Self { orders, ..self }
     }
 }
 
@@ -145,21 +161,21 @@ impl Gather {
             let width_rad = std::f64::consts::TAU / azimuths as f64 / gnomonic.azimuth_ratio(at_m, towards);
             for &(node, share) in rule {
                 let (sin, cos) = (plane_rad + node * above_rad).sin_cos();
-                let weight_sr = width_rad * above_rad * share * cos * (along * cos + upwards * sin);
+                let solid_angle_sr = (width_rad * above_rad * share * cos) as f32;
                 let direction = gnomonic.map_from_body.inverse().turn(level_direction * cos + up * sin);
                 let met = Direction::new(direction).and_then(|direction| surface.intersect(start, direction));
                 if let Some(Hit { ground: Ground::Dem { face, level, lifted }, .. }) = met {
                     let grid = surface.terrain.faces[face].levels[level].grid_from_map(lifted.truncate());
                     let grid = grid.as_vec2().to_array();
-                    rays.push(Ray { face: face as u16, level: level as u16, grid, weight_sr: weight_sr as f32 });
+                    rays.push(Ray { face: face as u16, level: level as u16, grid, solid_angle_sr });
                 }
             }
         }
         rays
     }
 
-    /// A value given at the points, bilinear at grid coordinates.
-    pub(super) fn between_points(&self, level: &Level, values: &[f32], grid: DVec2) -> f64 {
+    /// The points about grid coordinates.
+    pub(super) fn cell(&self, level: &Level, grid: DVec2) -> Cell {
         let seen = grid - level.margin as f64;
         let along = |at: f64, points: usize, nodes: usize| {
             let last = (nodes - 2 * level.margin - 1) as f64;
@@ -170,13 +186,6 @@ impl Gather {
         };
         let (column, x) = along(seen.x, self.columns, level.columns);
         let (row, y) = along(seen.y, self.rows, level.rows);
-        let values = Grid2::new(values, [self.columns, self.rows]);
-        values.bilinear(Cell::new(values.size(), [column, row], DVec2::new(x, y)))
-    }
-
-    pub(super) fn at_all_nodes(&self, level: &Level, points: &[f32]) -> Vec<f32> {
-        let at = |index: usize| DVec2::new((index % level.columns) as f64, (index / level.columns) as f64);
-        let nodes = 0..level.columns * level.rows;
-        nodes.into_par_iter().map(|index| self.between_points(level, points, at(index)) as f32).collect()
+        Cell::new([self.columns, self.rows], [column, row], DVec2::new(x, y))
     }
 }

@@ -1,58 +1,68 @@
-//! Light that comes from everywhere: an even sky, and what other ground reflects.
+//! Light that does not come from a light's disc: from an even sky, and from other ground.
 //!
-//! Both renderers read it as shares of one unit at the nodes of the terrain. The ground reflects it as if it came along the
-//! normal.
+//! The ground reflects the sky's as [`SkyReflectance`] says, and that of other ground as light from the directions that it comes
+//! from, see [`super::bounce`].
 
-use std::borrow::Cow;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use super::{Scene, View};
+use super::bounced_light::BouncedLight;
+use super::facet::{albedo, at_nodes};
+use super::{Ambient, Scene, View};
+use crate::geometry::{BodyFixed, Direction};
+use crate::photometry::{Reflectance, SkyReflectance};
 use crate::shadow::Shadow;
+use crate::terrain::Hit;
 
-/// Diffuse irradiance of a view's ground.
+/// Diffuse light of a view's ground.
 #[derive(Debug)]
 pub struct Diffuse<'a> {
-    /// Irradiance of a share of 1.
-    pub unit_w_m2: f64,
-    /// At each node of each face's levels.
-    pub shares: Cow<'a, [Vec<Vec<f32>>]>,
-    /// On ground without DEM heights.
-    pub bare_share: f64,
+    sky: Option<Sky<'a>>,
+    /// `None`: ground bounces none.
+    pub bounced: Option<BouncedLight<'a>>,
+}
+
+/// An even sky, and how the view's ground reflects it.
+#[derive(Debug)]
+struct Sky<'a> {
+    ambient: &'a Ambient,
+    reflectance: Arc<SkyReflectance>,
 }
 
 impl<'a> Diffuse<'a> {
-    /// `None` where a scene has none.
-    pub fn of(scene: &'a Scene, view: &View, shadow: Option<&dyn Shadow>) -> Option<Self> {
-        let unit_w_m2 = Self::unit_w_m2(scene);
-        let bare_share = Self::bare_share(scene);
-        let sky = scene.ambient.as_ref().filter(|_| bare_share > 0.0).map(|ambient| ambient.shares.as_slice());
-        let Some(bounce) = &scene.bounce else {
-            return sky.map(|shares| Self { unit_w_m2, shares: shares.into(), bare_share });
-        };
-        let mut shares = bounce.irradiance_w_m2(scene, view, shadow);
-        for (face, levels) in shares.iter_mut().enumerate() {
-            for (level, values) in levels.iter_mut().enumerate() {
-                let open = sky.map(|sky| &sky[face][level]);
-                values.iter_mut().enumerate().for_each(|(node, value)| {
-                    *value = *value / unit_w_m2 as f32 + open.map_or(0.0, |open| open[node]);
-                });
-            }
-        }
-        Some(Self { unit_w_m2, shares: shares.into(), bare_share })
+    /// With what [`sky_reflectance`] says of the view's law.
+    pub fn of(scene: &'a Scene, view: &View, shadow: Option<&dyn Shadow>, sky: Option<Arc<SkyReflectance>>) -> Self {
+        let sky = scene.ambient.as_deref().zip(sky).map(|(ambient, reflectance)| Sky { ambient, reflectance });
+        Self { sky, bounced: scene.bounce.as_ref().map(|bounce| bounce.light(scene, view, shadow)) }
     }
 
-    /// `π L` of the sky; 1 where the sky is black and ground bounces, 0 where there is neither.
-    pub fn unit_w_m2(scene: &Scene) -> f64 {
-        match (&scene.ambient, &scene.bounce) {
-            (Some(ambient), _) if ambient.radiance_w_m2_sr > 0.0 => PI * ambient.radiance_w_m2_sr,
-            (_, Some(_)) => 1.0,
-            _ => 0.0,
-        }
+    /// How the ground reflects the sky's light, as the shader reads it.
+    pub fn sky_table(&self) -> Vec<f32> {
+        self.sky.as_ref().map_or_else(Vec::new, |sky| sky.reflectance.table())
     }
 
-    /// Bare ground sees all of the sky and no other ground.
-    pub fn bare_share(scene: &Scene) -> f64 {
-        let has_sky = scene.ambient.as_ref().is_some_and(|ambient| ambient.radiance_w_m2_sr > 0.0);
-        f64::from(u8::from(has_sky))
+    /// Radiance of the ground at a hit towards a direction, under which its normal stands at a cosine.
+    pub fn radiance(&self, scene: &Scene, view: &View, hit: &Hit, (towards, mu): (Direction<BodyFixed>, f64)) -> f64 {
+        let of_sky = self.sky.as_ref().map_or(0.0, |Sky { ambient, reflectance }| {
+            let irradiance_w_m2 = ambient.irradiance_w_m2() * at_nodes(scene, &ambient.shares, hit, 1.0);
+            reflectance.sr(albedo(scene, &view.reflectance, hit), mu) * irradiance_w_m2
+        });
+        of_sky + self.bounced.as_ref().map_or(0.0, |light| light.radiance(scene, view, hit, towards))
     }
+}
+
+impl Ambient {
+    /// Of a facet that sees all of the sky, as bare ground does.
+    pub fn irradiance_w_m2(&self) -> f64 {
+        PI * self.radiance_w_m2_sr
+    }
+}
+
+/// How a law reflects the scene's sky; `None` where that is black.
+pub fn sky_reflectance(scene: &Scene, law: &Reflectance) -> Option<SkyReflectance> {
+    scene.ambient.as_ref().filter(|ambient| ambient.radiance_w_m2_sr > 0.0)?;
+    Some(match law {
+        Reflectance::Hapke(hapke) if scene.albedo_is_w(law) => SkyReflectance::of_any_w(hapke),
+        law => SkyReflectance::new(law),
+    })
 }

@@ -1,10 +1,12 @@
 //! The ground at a hit: its normal, numbers given at its nodes, and a light's disc as it stands over it.
 
+use glam::DVec2;
+
 use super::{Light, Scene};
 use crate::geometry::{BodyFixed, Direction, Position};
-use crate::photometry::SunAxes;
+use crate::photometry::{Reflectance, SunAxes};
 use crate::shadow::{Disc, Site};
-use crate::terrain::{Ground, Hit};
+use crate::terrain::{Face, Ground, Hit};
 
 /// A number given at the nodes, bilinear at a hit; `beyond` outside the terrain.
 pub fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit, beyond: f64) -> f64 {
@@ -16,6 +18,19 @@ pub fn at_nodes(scene: &Scene, maps: &[Vec<Vec<f32>>], hit: &Hit, beyond: f64) -
         }
         _ => beyond,
     }
+}
+
+/// What the map of albedos says at a hit.
+pub fn albedo(scene: &Scene, law: &Reflectance, hit: &Hit) -> f64 {
+    scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit, scene.bare_albedo(law)))
+}
+
+/// The ground at grid coordinates of a level of a face.
+pub fn hit_at(scene: &Scene, [face, level]: [usize; 2], grid: DVec2) -> Option<Hit> {
+    let Face { map, levels } = &scene.surface.terrain.faces[face];
+    let lifted = levels[level].map_from_grid(grid).extend(levels[level].bilinear_m(grid)?);
+    let position = map.body_from_lifted(lifted);
+    Some(Hit { ground: Ground::Dem { face, level, lifted }, position, distance_m: 0.0 })
 }
 
 /// A hit on terrain, and a light's disc as its facet sees it.
@@ -35,7 +50,7 @@ pub fn site<'a>(
     Some((Site { map, face, level, lifted }, disc))
 }
 
-/// The outward normal of the ground at a hit, interpolated between the nodes' central differences.
+/// The outward normal of the ground at a hit: that of the smooth surface through the nodes, see [`crate::terrain::patch`].
 pub fn normal(scene: &Scene, hit: &Hit) -> Direction<BodyFixed> {
     let terrain = &scene.surface.terrain;
     match hit.ground {

@@ -10,7 +10,7 @@
 //! middle moment, unblurred: they are the ground truth of the image.
 //!
 //! # Assumptions
-//! - The lights stand still while an image is taken.
+//! - The lights are those of each moment's view: whoever takes the image says how they move.
 //! - Light that is spread from one band into another counts as if it came from that band's own pose; light from above the
 //!   first and below the last row is rendered from their poses. Framelets of a push-frame camera share no light.
 //! - Where motion sweeps an edge over many pixels, `m` moments leave steps of `1/m` of it.
@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use super::planes::{self, Part, Radiometry, Samples};
 use super::{Image, Rays, RenderError, Scene, Session, View};
-use crate::camera::{Camera as Optics, Detector, ExposedRows as Band, Pose, Psf, Shutter};
+use crate::camera::{Camera as Optics, Detector, ExposedRows as Band, Psf, Shutter};
 
 /// What a camera does beyond a pinhole that stands still for an instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,16 +61,12 @@ impl OwnedPart {
 }
 
 impl Imaging {
-    /// Takes the image of a view from the poses of each band's moments; exposure and lights are the view's.
-    pub fn take(&self, session: &mut Session, view: &View, poses: &[Vec<Pose>]) -> Result<Capture, RenderError> {
+    /// Takes an image from the views of each band's moments, which differ in pose and lights alone.
+    pub fn take(&self, session: &mut Session, views: Vec<Vec<View>>) -> Result<Capture, RenderError> {
         let mut taken = Capture { parts: Vec::new(), device: Duration::ZERO };
-        let mut poses = poses.iter();
+        let mut views = views.into_iter();
         for piece in self.timing.shutter.pieces(self.timing.rows) {
-            let bands: Vec<(Band, Vec<View>)> = piece
-                .into_iter()
-                .zip(&mut poses)
-                .map(|(band, poses)| (band, poses.iter().map(|pose| view.from(pose)).collect()))
-                .collect();
+            let bands: Vec<(Band, Vec<View>)> = piece.into_iter().zip(&mut views).collect();
             match &self.psf {
                 None => bands.iter().try_for_each(|band| taken.sharp(session, band))?,
                 Some(psf) => taken.spread(session, psf, &bands)?,
@@ -86,6 +82,15 @@ impl Timing {
         let moment = |index: usize| ((index as f64 + 0.5) / self.moments as f64 - 0.5) * exposure_s;
         let of_band = |band: Band| (0..self.moments).map(|index| band.time_s + moment(index)).collect();
         self.shutter.pieces(self.rows).into_iter().flatten().map(of_band).collect()
+    }
+
+    /// Whole seconds from the image's middle about which bands are exposed, in order; none where all are at once.
+    pub fn seconds(&self) -> Vec<f64> {
+        let bands = self.shutter.pieces(self.rows).into_iter().flatten();
+        let mut seconds: Vec<f64> = bands.map(|band| band.time_s.round()).collect();
+        seconds.sort_by(f64::total_cmp);
+        seconds.dedup();
+        if seconds.len() > 1 { seconds } else { Vec::new() }
     }
 
     /// The farthest of them from the image's middle.

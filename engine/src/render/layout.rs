@@ -70,7 +70,7 @@ pub struct MapLevel {
     pub horizon: [u32; 4],
     pub face: u32,
     pub horizon_table: u32,
-    pub padding: [u32; 2],
+    pub bounced: [u32; 2],
 }
 
 #[repr(C)]
@@ -241,6 +241,11 @@ impl MapLevel {
     /// With a horizon map where its shadow method has put it.
     pub fn with_texels(self, texels: &LevelTexels) -> Self {
         Self { horizon: texels.pages, horizon_table: texels.table, ..self }
+    }
+
+    /// With points of bounced light: where their numbers begin, and nodes from one to the next.
+    pub fn with_bounced(self, bounced: [u32; 2]) -> Self {
+        Self { bounced, ..self }
     }
 
     /// Grid coordinates that count from the cell of the map point `camera_m`.

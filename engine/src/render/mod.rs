@@ -8,6 +8,7 @@
 pub mod bounce;
 mod bounced_light;
 mod diffuse;
+pub mod direct;
 mod error;
 pub mod facet;
 pub mod image;
@@ -22,7 +23,8 @@ mod session;
 pub mod view;
 
 pub use bounce::Bounce;
-pub use diffuse::Diffuse;
+pub use bounced_light::BouncedLight;
+pub use diffuse::{Diffuse, sky_reflectance};
 pub use error::RenderError;
 pub use image::{Image, Plane, Quantity};
 pub use imaging::{Capture, Imaging, Timing};

@@ -7,13 +7,16 @@
 //!
 //! `reference` is the twin; `tests/conformance` holds the two together.
 
+mod hits;
 mod rays;
 mod skylines;
 mod starts;
 mod uncertain;
 mod upload;
 
+use std::convert::Infallible;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Duration;
 
 use glam::{DVec2, DVec3};
@@ -31,15 +34,14 @@ use upload::PackedLevel;
 use super::layout::{CentreOut, LightParameters, MapFace, MapLevel, PixelOut, RayWindow, ViewParameters};
 use super::planes::{Radiometry, Samples};
 use super::recent::Recent;
-use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference};
-use crate::camera::Camera as Optics;
+use super::{Diffuse, Rays, RenderError, Scene, View, ViewRays, reference, sky_reflectance};
 use crate::geometry::{BodyFixed, Position};
 use crate::gpu::{Gpu, GpuError, workgroups};
-use crate::photometry::{REFLECTANCE_WGSL, SOLAR_DISK_WGSL};
+use crate::photometry::{REFLECTANCE_WGSL, Reflectance, SOLAR_DISK_WGSL, SkyReflectance};
 use crate::shadow::device::{BINDINGS, DevicePart, LevelTexels};
 use crate::shadow::field_pages::page_bits;
 use crate::shadow::{Skylines, UnpreparedLight};
-use crate::terrain::{Face, Ground, Hit};
+use crate::terrain::Face;
 
 /// The pass but for the shadow method's part ([`DevicePart::wgsl`]): declarations may come in any order.
 pub const SHADER: &str = concat!(
@@ -68,6 +70,7 @@ pub struct Passes {
     constants: Vec<Constant>,
     programs: Recent<Vec<Constant>, ComputePipeline>,
     tables: Recent<Rays, Table>,
+    skies: Recent<Reflectance, Option<Arc<SkyReflectance>>>,
     disk_tables: Buffer,
     ground: DeviceGround,
     /// What the shadow method's WGSL reads, and where each level lies in it.
@@ -88,6 +91,9 @@ type Constant = (&'static str, f64);
 
 /// Programs that are kept. Views differ in few of the numbers that a program is made for.
 const PROGRAMS: usize = 16;
+
+/// Laws whose reflection of the sky is kept.
+const SKIES: usize = 16;
 
 /// Bytes of rays' directions that are kept, and what a table counts for at least.
 const TABLE_BYTES: usize = 512 << 20;
@@ -126,8 +132,8 @@ impl Passes {
         let mut constants = vec![
             ("FACES", scene.surface.terrain.faces.len() as f64),
             ("ALBEDO_MAP", f64::from(u8::from(scene.albedo.is_some()))),
-            ("SKY_W_M2", Diffuse::unit_w_m2(scene)),
-            ("BARE_SKY", Diffuse::bare_share(scene)),
+            ("SKY_W_M2", scene.ambient.as_ref().map_or(0.0, |ambient| ambient.irradiance_w_m2())),
+            ("BOUNCES", f64::from(u8::from(scene.bounce.is_some()))),
         ];
         constants.extend(scene.disk.constants());
         if fields.is_some() {
@@ -148,6 +154,7 @@ impl Passes {
             constants,
             programs: Recent::new(PROGRAMS),
             tables: Recent::new(TABLE_BYTES),
+            skies: Recent::new(SKIES),
             disk_tables: gpu.storage("disc tables", &scene.disk.tables()),
             ground,
             method_buffers: buffers,
@@ -165,13 +172,15 @@ impl Passes {
             Some(_) => reference::shadow(scene, view, &self.found_on_host(scene, view)?)?,
             None => None,
         };
-        let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-        let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, diffuse.as_ref())?;
+        let sky = self.sky_reflectance(scene, &view.reflectance);
+        let diffuse = Diffuse::of(scene, view, shadow.as_deref(), sky);
+        let Dispatched { pixels, centres, seconds } = self.dispatch(scene, rays, view, &diffuse)?;
         self.device_time = seconds.map(Duration::from_secs_f64);
         let pixels = pixels.iter().map(Radiometry::from).collect();
-        let centres = if rays.centres { self.hits(scene, &rays.optics, view, &centres) } else { Vec::new() };
+        let centres =
+            if rays.centres { hits::of_centres(&self.ground, scene, &rays.optics, view, &centres) } else { Vec::new() };
         let mut samples = Samples { pixels, centres };
-        trace_uncertain(scene, rays, view, diffuse.as_ref(), &mut samples);
+        trace_uncertain(scene, rays, view, &diffuse, &mut samples);
         Ok(samples)
     }
 
@@ -191,6 +200,13 @@ impl Passes {
         CacheSize { programs: self.programs.len(), tables: self.tables.len() }
     }
 
+    /// How a law reflects the scene's sky; it is found once.
+    fn sky_reflectance(&mut self, scene: &Scene, law: &Reflectance) -> Option<Arc<SkyReflectance>> {
+        let make = |law: &Reflectance| Ok::<_, Infallible>((sky_reflectance(scene, law).map(Arc::new), 1));
+        let Ok(sky) = self.skies.get_or_make(*law, make);
+        sky.clone()
+    }
+
     /// Skylines towards a view's lights, where this method finds them on the host; they are found once.
     fn found_on_host(&mut self, scene: &Scene, view: &View) -> Result<Skylines, UnpreparedLight> {
         match &mut self.skylines {
@@ -204,11 +220,13 @@ impl Passes {
         scene: &Scene,
         rays: &Rays,
         view: &View,
-        diffuse: Option<&Diffuse>,
+        diffuse: &Diffuse,
     ) -> Result<Dispatched, RenderError> {
         let gpu = &self.gpu;
-        let bounced = diffuse.filter(|_| scene.bounce.is_some());
-        let bounced = bounced.map(|diffuse| gpu.storage("skies", &upload::seen(&scene.surface, &diffuse.shares)));
+        let bounced = diffuse.bounced.as_ref().map_or_else(Vec::new, |light| light.table());
+        let bounced = gpu.storage("bounced light", &bounced);
+        let sky = gpu.storage("sky reflectance", &diffuse.sky_table());
+        let bounced_places = scene.bounce.as_ref().map_or_else(Vec::new, |bounce| bounce.places());
         let lights_on_raster = view.quantized_lights();
         let finding =
             self.skylines.as_mut().map(|s| s.towards(gpu, scene, &self.ground, &lights_on_raster)).transpose()?;
@@ -217,6 +235,7 @@ impl Passes {
             terrain.faces.iter().enumerate().map(|(index, face)| self.map_face(scene, view, index, face)).collect();
         let placed = |(index, level): (usize, &PackedLevel)| {
             let centred = level.centred(scene, view);
+            let centred = bounced_places.get(index).map_or(centred, |place| centred.with_bounced(*place));
             let placed = self.method_texels.get(index).map_or(centred, |texels| centred.with_texels(texels));
             self.skylines.as_ref().map_or(placed, |skylines| skylines.placed(placed, index))
         };
@@ -259,9 +278,11 @@ impl Passes {
                 &pixels_out,
                 &centres_out,
                 &self.ground.gradients[1],
-                bounced.as_ref().unwrap_or(&self.ground.skies),
+                &self.ground.skies,
                 &starts.window,
                 &starts.depths,
+                &sky,
+                &bounced,
             ];
             let buffers: Vec<_> = (0..).zip(of_method.clone()).chain((FIRST_OWN..).zip(own)).collect();
             let groups = workgroups(band.pixels.div_ceil(GROUP));
@@ -291,40 +312,6 @@ impl Passes {
     fn map_face(&self, scene: &Scene, view: &View, index: usize, face: &Face) -> MapFace {
         let first_level = self.ground.levels.iter().position(|level| level.face == index).unwrap_or(0);
         MapFace::new(view, face, &self.ground.balls[index], first_level, scene.surface.terrain.faces.len() == 1)
-    }
-
-    /// The centres' hits in f64: the device says where on which cell, the host computes the point.
-    fn hits(&self, scene: &Scene, optics: &Optics, view: &View, centres: &[CentreOut]) -> Vec<Option<Hit>> {
-        use rayon::prelude::*;
-        let columns = optics.columns as usize;
-        let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
-        let hit = |(index, centre): (usize, &CentreOut)| self.hit(scene, optics, view, pixel(index), centre);
-        centres.par_iter().enumerate().map(hit).collect()
-    }
-
-    fn hit(&self, scene: &Scene, optics: &Optics, view: &View, pixel: DVec2, centre: &CentreOut) -> Option<Hit> {
-        let terrain = &scene.surface.terrain;
-        match centre.ground {
-            CentreOut::DEM => {
-                let &PackedLevel { face, level, ref shader } = &self.ground.levels[centre.level as usize];
-                let grid_level = &terrain.faces[face].levels[level];
-                let cell = DVec2::new(f64::from(centre.cell % shader.columns), f64::from(centre.cell / shader.columns));
-                let grid = cell + DVec2::from(centre.fraction.map(f64::from)) + grid_level.margin as f64;
-                let lifted = grid_level.map_from_grid(grid).extend(grid_level.bilinear_m(grid)?);
-                let position = terrain.faces[face].map.body_from_lifted(lifted);
-                let distance_m = position.distance_m(view.camera_position);
-                Some(Hit { ground: Ground::Dem { face, level, lifted }, position, distance_m })
-            }
-            CentreOut::MISS => None,
-            ground => {
-                let direction = view.camera_from_body.inverse() * optics.direction(pixel)?;
-                let distance_m = f64::from(centre.distance_m);
-                let ground = if ground == CentreOut::GAP { Ground::Gap } else { Ground::Bare };
-                let position: Position<BodyFixed> =
-                    Position::from_m(view.camera_position.vector_m() + distance_m * direction.unit());
-                Some(Hit { ground, position, distance_m })
-            }
-        }
     }
 }
 

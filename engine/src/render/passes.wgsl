@@ -62,6 +62,11 @@ struct Centre {
 @group(0) @binding(12) var<storage, read> maxima_m: array<f32>;
 @group(0) @binding(13) var<storage, read> albedos: array<f32>;
 @group(0) @binding(18) var<storage, read> skies: array<f32>;
+// Radiance over irradiance under an even sky: SKY_KNOTS over the root of the cosine of emission, SKY_ROWS times where
+// ALBEDO_IS_W.
+@group(0) @binding(21) var<storage, read> sky_reflectance: array<f32>;
+// Vectors of bounced light by level, point and sector: three numbers each.
+@group(0) @binding(22) var<storage, read> bounced: array<f32>;
 // Which rays the depths of the coarse mesh are of, and those depths.
 @group(0) @binding(19) var<storage, read> window: RayWindow;
 @group(0) @binding(20) var<storage, read> depths: array<f32>;
@@ -81,10 +86,14 @@ override ALBEDO_MAP: bool;
 override ALBEDO_IS_W: bool;
 // Irradiance of a facet that sees the whole sky.
 override SKY_W_M2: f32;
-// Share of it on ground without DEM heights.
-override BARE_SKY: f32;
+// Whether ground lights other ground.
+override BOUNCES: bool;
 override GRADIENT_PAGE_BITS: u32;
 override MORE_GRADIENTS: bool;
+
+const SKY_KNOTS = 65u;
+const SKY_ROWS = 17u;
+const SECTORS = 8u;
 
 fn gradient(node: u32) -> vec2f {
     if MORE_GRADIENTS && (node >> GRADIENT_PAGE_BITS) > 0u {
@@ -156,6 +165,18 @@ fn first_hit(camera_d: vec3f, body_d: vec3f, start_m: f32) -> SurfaceHit {
     return nearest;
 }
 
+// The slope of the smooth surface through a cell's nodes along one axis, as in terrain/patch.rs: at f.x along it and f.y
+// across, from the rises over both sides and the corners' slopes along and across.
+fn patch_slope(f: vec2f, rises: vec2f, low: vec2f, high: vec2f, low_above: vec2f, high_above: vec2f) -> f32 {
+    let u = f.x;
+    let v = f.y;
+    let rise = mix(rises.x, rises.y, v * v * (3.0 - 2.0 * v))
+        + v * (1.0 - v) * ((1.0 - v) * (high.y - low.y) - v * (high_above.y - low_above.y));
+    return 6.0 * u * (1.0 - u) * rise
+        + (1.0 + u * (3.0 * u - 4.0)) * mix(low.x, low_above.x, v)
+        + u * (3.0 * u - 2.0) * mix(high.x, high_above.x, v);
+}
+
 fn dem_facet(hit: SurfaceHit) -> Facet {
     let level = map_levels[hit.level];
     let radius_m = map_faces[level.face].camera_m.w;
@@ -166,10 +187,15 @@ fn dem_facet(hit: SurfaceHit) -> Facet {
     let g11 = gradient(node + level.columns + 1u);
     let steepest = max(max(abs(g00.x), abs(g10.x)), max(abs(g01.x), abs(g11.x)));
     let f = hit.fraction;
-    let slope = mix(mix(g00, g10, f.x), mix(g01, g11, f.x), f.y);
-    let low = mix(heights_m[node], heights_m[node + 1u], f.x);
-    let high = mix(heights_m[node + level.columns], heights_m[node + level.columns + 1u], f.x);
-    let height_m = mix(low, high, f.y);
+    let h00 = heights_m[node];
+    let h10 = heights_m[node + 1u];
+    let h01 = heights_m[node + level.columns];
+    let h11 = heights_m[node + level.columns + 1u];
+    let height_m = mix(mix(h00, h10, f.x), mix(h01, h11, f.x), f.y);
+    let slope = vec2f(
+        patch_slope(f, vec2f(h10 - h00, h11 - h01) / level.posting_m, g00, g10, g01, g11),
+        patch_slope(f.yx, vec2f(h01 - h00, h11 - h10) / level.posting_m, g00.yx, g01.yx, g10.yx, g11.yx),
+    );
     var facet: Facet;
     facet.frame = level.face;
     facet.level = hit.level;
@@ -204,7 +230,7 @@ fn bare_facet(hit: SurfaceHit, body_d: vec3f) -> Facet {
     facet.up = facet.normal;
     // Outside the map nothing changes, or the law's own w holds.
     facet.albedo = select(1.0, reflectance.single_scattering_albedo, ALBEDO_IS_W);
-    facet.sky = BARE_SKY;
+    facet.sky = 1.0;
     facet.gap = false;
     return facet;
 }
@@ -234,6 +260,59 @@ fn ground_sr(albedo: f32, mu0: f32, mu: f32, phase_cosine: f32) -> f32 {
     return albedo * brdf_sr(reflectance, mu0, mu, phase_cosine);
 }
 
+// The value at x, 0 to 1, between even knots of the table for an even sky.
+fn sky_along(row: u32, x: f32) -> f32 {
+    let place = x * f32(SKY_KNOTS - 1u);
+    let low = min(u32(place), SKY_KNOTS - 2u);
+    let first = row * SKY_KNOTS + low;
+    return mix(sky_reflectance[first], sky_reflectance[first + 1u], place - f32(low));
+}
+
+// Radiance over irradiance of ground with a value of the map of albedos, under an even sky.
+fn sky_sr(albedo: f32, mu: f32) -> f32 {
+    let x = sqrt(clamp(mu, 0.0, 1.0));
+    if ALBEDO_IS_W {
+        let w = clamp(albedo, 0.0, 1.0);
+        let place = sqrt(1.0 - w) * f32(SKY_ROWS - 1u);
+        let low = min(u32(place), SKY_ROWS - 2u);
+        return w * mix(sky_along(low, x), sky_along(low + 1u, x), place - f32(low));
+    }
+    return albedo * sky_along(0u, x);
+}
+
+// Of a sector of a point.
+fn bounced_vector(first: u32) -> vec3f {
+    return vec3f(bounced[first], bounced[first + 1u], bounced[first + 2u]);
+}
+
+// Radiance by light from other ground: of each sector as from one direction.
+fn bounced_radiance(facet: Facet, to_camera: vec3f, mu: f32) -> f32 {
+    let level = map_levels[facet.level];
+    let step = level.bounced.y;
+    let last = vec2u(level.columns, level.rows) - 1u;
+    let points = (last - 1u) / step + 2u;
+    let at = clamp(facet.grid, vec2f(0.0), vec2f(last));
+    let low = min(vec2u(at) / step, points - 2u);
+    let low_node = vec2f(low * step);
+    let f = (at - low_node) / (min(low_node + f32(step), vec2f(last)) - low_node);
+    let point = level.bounced.x + 3u * SECTORS * (low.y * points.x + low.x);
+    let above = point + 3u * SECTORS * points.x;
+    var radiance = 0.0;
+    for (var sector = 0u; sector < SECTORS; sector++) {
+        let number = 3u * sector;
+        let south = mix(bounced_vector(point + number), bounced_vector(point + 3u * SECTORS + number), f.x);
+        let north = mix(bounced_vector(above + number), bounced_vector(above + 3u * SECTORS + number), f.x);
+        let vector = mix(south, north, f.y);
+        let irradiance = dot(facet.normal, vector);
+        if irradiance > 0.0 {
+            let towards = normalize(vector);
+            let mu0 = min(dot(facet.normal, towards), 1.0);
+            radiance += ground_sr(facet.albedo, mu0, mu, dot(towards, to_camera)) * irradiance;
+        }
+    }
+    return radiance;
+}
+
 fn shade(facet: Facet, to_camera: vec3f) -> Sample {
     var sample = Sample(0.0, 0.0, 0.0);
     for (var index = 0u; index < LIGHTS; index++) {
@@ -255,9 +334,12 @@ fn shade(facet: Facet, to_camera: vec3f) -> Sample {
             sample.fraction = seen.fraction;
         }
     }
+    let mu = max(dot(facet.normal, to_camera), 0.0);
     if SKY_W_M2 > 0.0 {
-        let mu = max(dot(facet.normal, to_camera), 0.0);
-        sample.radiance += ground_sr(facet.albedo, 1.0, mu, mu) * SKY_W_M2 * facet.sky;
+        sample.radiance += sky_sr(facet.albedo, mu) * SKY_W_M2 * facet.sky;
+    }
+    if BOUNCES && facet.frame < FACES {
+        sample.radiance += bounced_radiance(facet, to_camera, mu);
     }
     return sample;
 }

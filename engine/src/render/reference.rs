@@ -11,16 +11,18 @@
 //!
 //! `passes` renders the same on the GPU; `tests/conformance` holds the two together.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::facet::{at_nodes, normal, site};
+use super::direct::illuminate;
+use super::facet::{albedo, normal};
 use super::planes::{Radiometry, Samples};
 use super::refine::UncertainTraced;
-use super::{Diffuse, Light, Rays, RenderError, Scene, View};
+use super::{Diffuse, Rays, RenderError, Scene, View, sky_reflectance};
 use crate::camera::Camera as Optics;
-use crate::geometry::{BodyFixed, Camera, Direction};
-use crate::photometry::{HorizonLine, SunAxes};
+use crate::geometry::{Camera, Direction};
 use crate::shadow::{Shadow, Skylines, UnpreparedLight};
 use crate::terrain::{Ground, Hit};
 
@@ -30,8 +32,9 @@ pub const NAME: &str = "reference renderer (CPU, f64)";
 /// What some rays from a view's pose see: on the CPU, in f64, on all cores.
 pub fn follow(scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, RenderError> {
     let shadow = shadow(scene, view, &Skylines::default())?;
-    let diffuse = Diffuse::of(scene, view, shadow.as_deref());
-    let lighting = Lighting { shadow: shadow.as_deref(), diffuse: diffuse.as_ref() };
+    let sky = sky_reflectance(scene, &view.reflectance).map(Arc::new);
+    let diffuse = Diffuse::of(scene, view, shadow.as_deref(), sky);
+    let lighting = Lighting { shadow: shadow.as_deref(), diffuse: &diffuse };
     let offsets = rays.offsets();
     let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
     let pixel = |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64);
@@ -51,7 +54,7 @@ pub fn follow(scene: &Scene, rays: &Rays, view: &View) -> Result<Samples, Render
 #[derive(Debug, Clone, Copy)]
 pub struct Lighting<'a> {
     pub shadow: Option<&'a dyn Shadow>,
-    pub diffuse: Option<&'a Diffuse<'a>>,
+    pub diffuse: &'a Diffuse<'a>,
 }
 
 /// The scene's method of shadows, with whatever it finds in advance for a view's lights and `known` does not hold already.
@@ -122,7 +125,7 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
     let to_camera = hit.position.direction_to(view.camera_position);
     let normal = normal(scene, hit);
     let law = &view.reflectance;
-    let albedo = scene.albedo.as_ref().map_or(1.0, |maps| at_nodes(scene, maps, hit, scene.bare_albedo(law)));
+    let albedo = albedo(scene, law, hit);
     let mut sample = Sample::default();
     for (index, light) in view.lights.iter().enumerate() {
         let lit = illuminate(scene, lighting.shadow, hit, normal, (index, light));
@@ -137,44 +140,9 @@ fn shade(scene: &Scene, view: &View, lighting: Lighting, hit: &Hit) -> Sample {
             (sample.irradiance, sample.fraction) = (lit.irradiance, lit.fraction);
         }
     }
-    if let Some((diffuse, to_camera)) = lighting.diffuse.zip(to_camera) {
+    if let Some(to_camera) = to_camera {
         let mu = normal.unit().dot(to_camera.unit()).max(0.0);
-        let irradiance = diffuse.unit_w_m2 * at_nodes(scene, &diffuse.shares, hit, diffuse.bare_share);
-        sample.radiance += scene.brdf_sr(law, albedo, 1.0, mu, mu) * irradiance;
+        sample.radiance += lighting.diffuse.radiance(scene, view, hit, (to_camera, mu));
     }
     sample
-}
-
-struct Lit {
-    irradiance: f64,
-    fraction: f64,
-}
-
-/// Irradiance of the ground at a hit by one light of the view.
-pub fn irradiance_w_m2(scene: &Scene, shadow: Option<&dyn Shadow>, hit: &Hit, light: (usize, &Light)) -> f64 {
-    illuminate(scene, shadow, hit, normal(scene, hit), light).irradiance
-}
-
-fn illuminate(
-    scene: &Scene,
-    shadow: Option<&dyn Shadow>,
-    hit: &Hit,
-    normal: Direction<BodyFixed>,
-    (index, light): (usize, &Light),
-) -> Lit {
-    let Some(towards) = hit.position.direction_to(light.position) else {
-        return Lit { irradiance: 0.0, fraction: 0.0 };
-    };
-    let radius_rad = light.angular_radius_rad;
-    let (seen, facet) = match site(scene, hit, normal, (index, light)) {
-        Some((site, disc)) => {
-            let open = || scene.disk.light(HorizonLine::NONE, disc.facet);
-            (shadow.map_or_else(open, |shadow| shadow.light(&site, &disc)), disc.facet)
-        }
-        None => {
-            let facet = SunAxes::new(towards, normal).facet(normal, radius_rad);
-            (scene.disk.light(HorizonLine::NONE, facet), facet)
-        }
-    };
-    Lit { irradiance: light.irradiance_w_m2 * seen.irradiance_factor(facet, radius_rad), fraction: seen.fraction }
 }

@@ -87,7 +87,7 @@ pub enum AlbedoRole {
     SingleScattering,
 }
 
-/// A sky of the same radiance everywhere. The ground reflects its light as if it came along the normal.
+/// A sky of the same radiance everywhere.
 #[derive(Debug)]
 pub struct Ambient {
     /// Radiance of all of the sky.

@@ -1,4 +1,8 @@
 //! Shadows traced over every grid line of the terrain: the truth that others are held to.
+//!
+//! # Assumptions
+//! The ground is flat between its nodes, under the point too, so that its horizon is that of a facet: on a sphere with postings of
+//! 1 km the Sun's share is off by 0.025 within the penumbra, with 10 m by 1e-5.
 
 use std::sync::Arc;
 

@@ -28,13 +28,14 @@
 //!
 //! # Assumptions
 //! Between nodes the surface is bilinear and no longer the model's: [`ResamplingError`] states by how
-//! much at the model's own samples. Measured at the model's own posting, root mean square and largest:
+//! much at the model's own samples. Measured at the model's own posting, root mean square and largest, and
+//! root mean square of slopes:
 //!
 //! ```text
-//! Mars, Gale (HiRISE)      1 m     0.003 m    0.08 m
-//! Moon, Site01 (LOLA)     10 m     0.08 m     2.9 m
-//! Moon, polar cap        240 m     1.6 m     30 m
-//! Moon, GLD100 globe       8 km  113 m     1480 m      means of 4 × 4 pixels, as a cube
+//! Mars, Gale (HiRISE)      1 m     0.003 m    0.08 m   0.22°
+//! Moon, Site01 (LOLA)     10 m     0.002 m    0.08 m   0.013°
+//! Moon, polar cap        240 m     1.7 m     31 m      0.38°     beside Site01
+//! Moon, GLD100 globe       8 km  113 m     1480 m                means of 4 × 4 pixels, as a cube
 //! ```
 
 mod drawn;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Gnomonic;
+use super::{Gnomonic, patch};
 use crate::geometry::Body;
 use crate::grid::{Cell, Grid2};
 
@@ -80,22 +80,24 @@ impl Level {
         [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(c, r)| self.gap[self.index(column + c, row + r)])
     }
 
-    /// dH/dX and dH/dY at a node: central differences, one-sided at the edges.
+    /// dH/dX and dH/dY at a node, as the smooth surface of [`patch`] has them.
     pub fn gradient(&self, column: usize, row: usize) -> DVec2 {
-        let difference = |low: usize, high: usize, height: &dyn Fn(usize) -> f64| {
-            (height(high) - height(low)) / ((high - low) as f64 * self.posting_m)
+        let step = |node: usize, offset: isize, count: usize, height_m: &dyn Fn(usize) -> f64| {
+            let low = node.checked_add_signed(offset).filter(|low| low + 1 < count)?;
+            Some((height_m(low + 1) - height_m(low)) / self.posting_m)
         };
         DVec2::new(
-            difference(column.saturating_sub(1), (column + 1).min(self.columns - 1), &|c| self.height_m(c, row)),
-            difference(row.saturating_sub(1), (row + 1).min(self.rows - 1), &|r| self.height_m(column, r)),
+            patch::slope(|offset| step(column, offset, self.columns, &|c| self.height_m(c, row))),
+            patch::slope(|offset| step(row, offset, self.rows, &|r| self.height_m(column, r))),
         )
     }
 
-    /// dH/dX and dH/dY at a map point: the nodes' gradients, bilinear between them, so that shading is
-    /// continuous from cell to cell.
+    /// dH/dX and dH/dY at a map point: those of [`patch`], so that shading is continuous from cell to cell.
     pub fn interpolated_gradient(&self, at_m: DVec2) -> DVec2 {
         let cell = Cell::continued([self.columns, self.rows], self.grid_from_map(at_m));
-        cell.mix(|column, row| self.gradient(column, row))
+        let corners = cell.corners();
+        let heights = corners.map(|(column, row)| self.height_m(column, row) / self.posting_m);
+        patch::gradient(heights, corners.map(|(column, row)| self.gradient(column, row)), cell.fraction)
     }
 
     /// Columns and rows of the seen part.

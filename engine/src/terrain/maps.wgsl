@@ -38,5 +38,6 @@ struct MapLevel {
     horizon: vec4u,
     face: u32,
     horizon_table: u32,
-    padding: vec2u,
+    // Where the numbers of its points of bounced light begin, and nodes from one point to the next.
+    bounced: vec2u,
 }

@@ -6,6 +6,7 @@ pub mod gnomonic;
 pub mod level;
 mod march;
 pub mod mesh;
+pub mod patch;
 pub mod pyramid;
 pub mod quadtree;
 mod segment;

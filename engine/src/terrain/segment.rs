@@ -13,6 +13,9 @@ pub struct Segment {
     pub leaves_by_the_edge: bool,
 }
 
+/// No ground lies nearer to the centre of projection, in radii.
+const LOWEST: f64 = 1e-3;
+
 impl Segment {
     /// Clips a ray (in map axes, from the centre of projection) to the pyramid over the level's seen part.
     pub fn clip(map: &Gnomonic, level: &Level, origin: DVec3, towards: DVec3) -> Option<Self> {
@@ -34,6 +37,10 @@ impl Segment {
                 _ if value < 0.0 => return None,
                 _ => {}
             }
+        }
+        if towards.z < 0.0 {
+            // Straight down all sides meet in the centre of projection, which has no place on the map.
+            far = far.min((origin.z - LOWEST * r) / -towards.z);
         }
         if near >= far {
             return None;

@@ -135,9 +135,11 @@ pub fn run(args: Args) -> Outcome {
     let bars = Bars::new();
     let ground = args.levels.ground(&args.dems, args.centre, &bars)?;
     let (face, body) = one_map(&ground)?;
-    let frame = almanac.body_frame(&body.name, None)?;
+    let ends = [parse_epoch(&args.from)?, parse_epoch(&args.until)?];
+    let (frame, note) = almanac.body_frame_at(&body.name, None, &ends)?;
     let settings = Settings { azimuths: args.azimuths, observer_height_m: args.observer_height, ..Settings::default() };
     let track = track(&args, &almanac, &frame, &ground)?;
+    note.iter().for_each(|note| bars.say(note));
     let disk = SolarDisk::new(LimbDarkening::hestroffer_magnan(VISIBLE_NM)?)?;
     let level = &face.levels[0];
 

@@ -95,6 +95,12 @@ fn a_gnomonic_model_about_the_centre_is_taken_over_sample_by_sample() {
         assert!((got - f64::from(*sample)).abs() < 4e-5, "half a unit in the last place of 500 m: {got} {sample}");
     }
     assert!(errors[0].max_m < 4e-5 && errors[0].samples > 16_000, "{errors:?}");
+    // Two such units over 20 m.
+    assert!(errors[0].rms_slope_deg < 2e-4, "{errors:?}");
+    // Waves of 121 m at postings of 40 m: the slopes that are left out are told.
+    let coarse = NestedDem { posting_m: Some(40.0), ..NestedDem::whole(&dem) };
+    let (_, errors) = build_face(&Body::moon(), centre, &[coarse], MAX_NODES_PER_SIDE).unwrap();
+    assert!(errors[0].rms_slope_deg > 10.0, "{errors:?}");
 }
 
 #[test]

@@ -47,6 +47,7 @@ fn site01_nests_in_the_polar_cap_and_the_cap_in_the_globe() {
         let under = cap.bilinear_m(cap.grid_from_map(fine.node_m(column, row))).unwrap();
         assert!((fine.height_m(column, row) - under).abs() < 1e-3);
     }
+    println!("{errors:?}");
     assert!(errors[0].rms_m < 0.1 && errors[0].samples > 200_000, "{errors:?}");
 
     let (triple, _) = build_face(&Body::moon(), centre, &nested, MAX_NODES_PER_SIDE).unwrap();

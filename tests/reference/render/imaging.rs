@@ -46,12 +46,13 @@ fn taken(
     exposure_s: f64,
     pose: impl Fn(f64) -> Pose,
 ) -> Vec<(&'static str, Vec<Vec<f32>>)> {
-    let poses: Vec<Vec<Pose>> =
-        imaging.timing.times_s(exposure_s).iter().map(|times| times.iter().map(|&time| pose(time)).collect()).collect();
+    let times_s = imaging.timing.times_s(exposure_s);
+    let of_band = |times: &Vec<f64>| times.iter().map(|&time| camera.from(&pose(time))).collect();
+    let views: Vec<Vec<View>> = times_s.iter().map(of_band).collect();
     let scene = even();
     let take = |renderer: Renderer| {
         let mut session = renderer.session(&scene).unwrap();
-        let taken = imaging.take(&mut session, &camera.from(&pose(0.0)), &poses).unwrap();
+        let taken = imaging.take(&mut session, views.clone()).unwrap();
         taken.image(&scene, None).planes.into_iter().map(|plane| plane.values).collect()
     };
     let mut all = vec![("reference", take(Renderer::Reference))];

@@ -57,6 +57,39 @@ fn the_shadow_of_a_step_ends_where_trigonometry_says() {
     }
 }
 
+/// A wall hides the Earth as it hides the Sun, here 10° below the horizon: with each kind of shadow the ground is dark up to where
+/// the Earth's light comes over the edge.
+#[test]
+fn a_wall_hides_the_earth_as_it_hides_the_sun() {
+    let map = map(&flat_body());
+    let sun = scenes::sun(&map, 0.0, -10_f64.to_radians());
+    let earth = scenes::sun(&map, WEST_RAD, 6_f64.to_radians());
+    let earth = perilune_engine::render::Light { angular_radius_rad: 0.0166, irradiance_w_m2: 0.07, ..earth };
+    let edge_m = 100.0 / 6_f64.to_radians().tan();
+    let mut view = Row { west_m: edge_m - 500.0, east_m: edge_m + 500.0 }.view(&map, sun);
+    view.lights.push(earth);
+    let full = 0.07 * 6_f64.to_radians().sin() * 0.2 / std::f64::consts::PI;
+    for scene in scenes::shadowed(step()) {
+        for (renderer, samples) in scenes::samples(&scene, &view) {
+            let name = scenes::name(&scene, renderer);
+            for (at_m, _) in scenes::profile(&samples) {
+                let pixel = samples.centres.iter().position(|hit| matches!(hit, Some(hit) if on(hit, at_m))).unwrap();
+                let radiance = f64::from(samples.pixels[pixel].radiance_w_m2_sr);
+                match at_m.x - edge_m {
+                    // The disc is 2° wide: 150 m of penumbra to either side.
+                    ..-300.0 => assert!(radiance < 0.01 * full, "{name} at {at_m}: {radiance}"),
+                    400.0.. => assert!((radiance / full - 1.0).abs() < 0.01, "{name} at {at_m}: {radiance}"),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+fn on(hit: &perilune_engine::terrain::Hit, at_m: DVec2) -> bool {
+    matches!(hit.ground, perilune_engine::terrain::Ground::Dem { lifted, .. } if lifted.truncate() == at_m)
+}
+
 /// V(h) of the disc darkened as at 550 nm, six digits, where the plateau's skyline stands h radii above the
 /// Sun's centre. Columns meet a smooth skyline to 1e-3. In the horizon map 15 harmonics end
 /// jump/(15 π) = 5e-4 rad = 0.1 radii off, for the wall ends 65° to both sides: 0.06 of the disc.

@@ -54,6 +54,19 @@ fn view(view: &ViewFacts) -> Vec<String> {
     if let Some(pixel_m) = view.pixel_m {
         lines.push(line("a pixel on the ground", range(pixel_m, fine)));
     }
+    let few = |advised: &u32| *advised > view.rays_a_pixel;
+    if let (Some(advised), Some([_, pixel_m]), Some(posting_m)) =
+        (view.rays_advised().filter(few), view.pixel_m, view.finest_posting_m)
+    {
+        let (rays, postings) = (view.rays_a_pixel, significant(pixel_m / posting_m));
+        lines.push(line(
+            "rays a pixel",
+            format_args!(
+                "{rays} over {postings} postings; (postings)²/4 = {advised} leave little aliasing (RMS at a low Sun with 4: 1.5 % \
+                 over 3 postings, 6.3 % over 12)"
+            ),
+        ));
+    }
     if let Some(shares) = view.share_on_models {
         lines.push(line("ground on the models", range(shares, percent)));
     }

@@ -31,7 +31,7 @@ pub fn exposures(
     ground.surface = Arc::new(shown.surface()?);
     let (exposures, motions) = placed(ground)?;
     if scenario.shadows.method().is_none_or(|method| method.needs_maps()) {
-        let band = motion::band(scenario, &exposures);
+        let band = motion::band(scenario, &exposures)?;
         shown.check_given(Settings { band, ..scene::horizon_settings(scenario) }, scenario.horizon.encoding)?;
     }
     ground.globe = Some(Box::new(shown));

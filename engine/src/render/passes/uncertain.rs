@@ -10,7 +10,7 @@ use crate::render::{Diffuse, Rays, Scene, View};
 use crate::terrain::Hit;
 
 /// Renders again, with traced shadows, what a device's samples leave uncertain.
-pub fn trace_uncertain(scene: &Scene, rays: &Rays, view: &View, diffuse: Option<&Diffuse>, samples: &mut Samples) {
+pub fn trace_uncertain(scene: &Scene, rays: &Rays, view: &View, diffuse: &Diffuse, samples: &mut Samples) {
     let Some(shadow) = UncertainTraced::of(scene) else { return };
     let (columns, rows) = (rays.optics.columns as usize, rays.optics.rows as usize);
     let is_open = |hit: &Option<Hit>| hit.as_ref().is_some_and(|hit| is_open(scene, view, shadow.maps.as_ref(), hit));

@@ -113,12 +113,6 @@ fn seen_values<'a>(level: &'a Level, values: &'a [f32]) -> impl Iterator<Item = 
     (level.margin..level.rows - level.margin).flat_map(move |row| &values[cut(row)])
 }
 
-/// A number given at the nodes of each face's levels, as the device keeps it.
-pub fn seen(surface: &Surface, maps: &[Vec<Vec<f32>>]) -> Vec<f32> {
-    let levels = surface.terrain.faces.iter().zip(maps).flat_map(|(face, maps)| face.levels.iter().zip(maps));
-    levels.flat_map(|(level, values)| seen_values(level, values)).copied().collect()
-}
-
 impl PackedLevel {
     /// The level with its grid counted from the camera's cell.
     pub fn centred(&self, scene: &Scene, view: &View) -> MapLevel {

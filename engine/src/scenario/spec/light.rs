@@ -118,7 +118,7 @@ pub struct Ambient {
     pub sky: Sky,
 }
 
-/// Sunlight that terrain reflects onto terrain, once, with form factors from horizon maps, which are made if shadows need none.
+/// Sunlight that terrain reflects onto terrain, with solid angles from horizon maps, which are made if shadows need none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Bounce {
@@ -128,11 +128,15 @@ pub struct Bounce {
     /// Elevations between a point's own plane and its skyline in each of them.
     #[schemars(range(min = 1, max = 8))]
     pub elevations: u32,
+    /// How often light is reflected from ground to ground. Each time leaves the share of the light before that ground sees of ground
+    /// times its albedo: some 2 % in a lunar crater.
+    #[schemars(range(min = 1, max = 4))]
+    pub orders: u32,
 }
 
 impl Default for Bounce {
     fn default() -> Self {
-        Self { azimuths: 32, elevations: 4 }
+        Self { azimuths: 32, elevations: 4, orders: 1 }
     }
 }
 

@@ -254,7 +254,8 @@ pub enum Horizon {
         /// Keeps of each horizon only what decides about the Sun of this scenario's exposures: elevations far above or below
         /// its disc are moved nearer to it before they are compressed, so that high cliffs disturb the skyline less where
         /// the Sun stands. Worth trying beside cliffs; on two exposures of cratered terrain it gained nothing. Horizons are then
-        /// this scenario's own. Without effect where there is earthshine, ambient or bounced light.
+        /// this scenario's own. Refused where light comes from elsewhere (earthshine, ambient or bounced light) and where the Sun
+        /// goes through more than 120° over the exposures.
         #[serde(default)]
         band: bool,
     },

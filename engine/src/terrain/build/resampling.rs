@@ -11,34 +11,56 @@ use crate::terrain::{Gnomonic, Level};
 const SAMPLES: f64 = 500_000.0;
 
 /// The level's bilinear surface minus the model, at the model's pixel centres, along the ray from the
-/// centre of projection. Pixels in the feathered border of a level or next to a gap do not count.
+/// centre of projection, and the slopes of the difference from each to the next of its row. Pixels in the feathered border of a level
+/// or next to a gap do not count.
+///
+/// A slope tells what heights do not: a horizon is off by as much where the ground nearby makes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResamplingError {
     pub rms_m: f64,
     pub max_m: f64,
+    pub rms_slope_deg: f64,
     pub samples: usize,
 }
 
 impl std::fmt::Display for ResamplingError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "resampling: RMS {:.3} m, maximum {:.2} m over {} samples", self.rms_m, self.max_m, self.samples)
+        let Self { rms_m, max_m, rms_slope_deg, samples } = self;
+        write!(
+            f,
+            "resampling: RMS {rms_m:.3} m, maximum {max_m:.2} m, RMS of slopes {rms_slope_deg:.3}° over {samples} samples"
+        )
     }
 }
 
 impl ResamplingError {
-    fn of(errors_m: impl Iterator<Item = f64>) -> Self {
-        let (samples, sum, max_m) = errors_m.fold((0, 0.0, 0.0), |(samples, sum, max): (usize, f64, f64), error_m| {
-            (samples + 1, sum + error_m * error_m, max.max(error_m.abs()))
-        });
-        Self { rms_m: (sum / samples.max(1) as f64).sqrt(), max_m, samples }
+    /// Of errors and their slopes to the next samples.
+    fn of(errors: &[(f64, Option<f64>)]) -> Self {
+        let squares = |values: &mut dyn Iterator<Item = f64>| {
+            let (count, sum) = values.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value * value));
+            (sum / f64::from(count.max(1))).sqrt()
+        };
+        Self {
+            rms_m: squares(&mut errors.iter().map(|(error_m, _)| *error_m)),
+            max_m: errors.iter().map(|(error_m, _)| error_m.abs()).fold(0.0, f64::max),
+            rms_slope_deg: squares(&mut errors.iter().filter_map(|(_, slope)| *slope)).atan().to_degrees(),
+            samples: errors.len(),
+        }
     }
 
     /// Several taken together.
     pub(super) fn of_all(parts: &[Self]) -> Self {
         let samples = parts.iter().map(|part| part.samples).sum::<usize>();
-        let sum: f64 = parts.iter().map(|part| part.rms_m * part.rms_m * part.samples as f64).sum();
-        let max_m = parts.iter().map(|part| part.max_m).fold(0.0, f64::max);
-        Self { rms_m: (sum / samples.max(1) as f64).sqrt(), max_m, samples }
+        let rms = |value: &dyn Fn(&Self) -> f64| {
+            let sum: f64 = parts.iter().map(|part| value(part).powi(2) * part.samples as f64).sum();
+            (sum / samples.max(1) as f64).sqrt()
+        };
+        Self {
+            rms_m: rms(&|part| part.rms_m),
+            max_m: parts.iter().map(|part| part.max_m).fold(0.0, f64::max),
+            rms_slope_deg: rms(&|part| part.rms_slope_deg),
+            samples,
+        }
     }
 }
 
@@ -52,18 +74,26 @@ pub(super) fn measure(
     let feather = coarse.map_or(0.0, |coarse| FEATHER_POSTINGS * coarse.posting_m / level.posting_m);
     let border = feather + level.margin as f64;
     let stride = ((dem.heights_m.len() as f64 / SAMPLES).sqrt().ceil() as usize).max(1);
-    let columns: Vec<usize> = (0..dem.columns).step_by(stride).collect();
     let projector = dem.georeference.projector()?;
-    let mut errors_m = Vec::new();
+    let mut errors = Vec::new();
     for row in (0..dem.rows).step_by(stride) {
-        let pixels: Vec<DVec2> = columns.iter().map(|&column| DVec2::new(column as f64, row as f64)).collect();
-        let height_m = |&column: &usize| f64::from(dem.heights_m[row * dem.columns + column]);
-        let heights_m: Vec<f64> = columns.iter().map(height_m).collect();
-        for point in projector.positions(body, &pixels, &heights_m) {
-            errors_m.extend(error_m(map, level, border, map.map_vector(point)).filter(|error_m| !error_m.is_nan()));
+        // Each with the next one of the row.
+        let points_of = |next: usize| {
+            let columns = (0..dem.columns).step_by(stride).map(|column| (column + next).min(dem.columns - 1));
+            let pixels: Vec<DVec2> = columns.map(|column| DVec2::new(column as f64, row as f64)).collect();
+            let height_m = |pixel: &DVec2| f64::from(dem.heights_m[row * dem.columns + pixel.x as usize]);
+            let heights_m: Vec<f64> = pixels.iter().map(height_m).collect();
+            projector.positions(body, &pixels, &heights_m)
+        };
+        for (point, next) in points_of(0).into_iter().zip(points_of(1)) {
+            let error = |point| error_m(map, level, border, map.map_vector(point)).filter(|error_m| !error_m.is_nan());
+            let Some(here_m) = error(point) else { continue };
+            let distance_m = point.distance_m(next);
+            let slope = error(next).filter(|_| distance_m > 0.0).map(|next_m| (next_m - here_m) / distance_m);
+            errors.push((here_m, slope));
         }
     }
-    Ok(ResamplingError::of(errors_m.into_iter()))
+    Ok(ResamplingError::of(&errors))
 }
 
 /// Radius of the level minus that of a point, in map axes from the centre of projection.
