@@ -260,6 +260,12 @@ const RANGES: &[Case] = &[
 
 const MEANING: &[Case] = &[
     Case(
+        "terrain nearer than sweeps begin",
+        "title: \"a test\"",
+        "title: \"a test\", shadows: TowardsSun(by: Sweep(near: 3))",
+        "2:30: shadows.near = 3 is neither 0 nor at least 8: nearer than that lines a posting apart do not meet what they pass",
+    ),
+    Case(
         "coefficients that fill no page",
         "title: \"a test\"",
         "title: \"a test\", shadows: Series(coefficients: 10)",

@@ -8,7 +8,7 @@ use super::seal;
 
 /// Counts the changes of pixel values since the program's version: exposures of different models do not belong together.
 /// It grows with every entry under "Changes pixel values" in the changelog, and starts again with a version.
-const MODEL: u32 = 3;
+const MODEL: u32 = 4;
 
 /// What a run is made from; equal runs make equal bytes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
