@@ -331,7 +331,8 @@ fn report(
         notes: vec![
             "Truth: horizons traced over every grid line for 24 columns of the Sun's disc, reference renderer, f64."
                 .into(),
-            "RMS of lit ground's light: the RMS of the irradiance over the mean irradiance of ground that is lit.".into(),
+            "RMS of lit ground's light: the RMS of the irradiance over the mean irradiance of ground that is lit."
+                .into(),
             "Agreement: both see half the disc or more, or both less. Only pixels on terrain count.".into(),
             "Times include readback, and finding skylines for methods that find them in advance; \
              on a shared machine they are upper bounds."

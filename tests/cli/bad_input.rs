@@ -263,7 +263,7 @@ const MEANING: &[Case] = &[
         "terrain nearer than sweeps begin",
         "title: \"a test\"",
         "title: \"a test\", shadows: TowardsSun(by: Sweep(near: 3))",
-        "2:30: shadows.near = 3 is neither 0 nor at least 8: nearer than that lines a posting apart do not meet what they pass",
+        "2:31: shadows.near = 3 is neither 0 nor at least 8: nearer than that lines a posting apart do not meet what they pass",
     ),
     Case(
         "coefficients that fill no page",

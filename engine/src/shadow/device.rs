@@ -14,7 +14,6 @@ use std::fmt::Debug;
 use wgpu::Buffer;
 
 use super::light::QuantizedLight;
-use super::near::Near;
 use crate::gpu::{Gpu, GpuError};
 use crate::horizon::Encoding;
 use crate::terrain::Gnomonic;
@@ -104,11 +103,12 @@ impl DevicePart {
         Self::of(OPEN, Vec::new())
     }
 
-    /// Skylines of nodes, interpolated, made on the device or on the host, with what they leave out.
-    pub fn of_skylines(maker: Option<Box<dyn FieldMaker>>, near: Near) -> Self {
+    /// Skylines of nodes, interpolated, made on the device or on the host; terrain within so many postings is looked at from
+    /// every sample.
+    pub fn of_skylines(maker: Option<Box<dyn FieldMaker>>, near: usize) -> Self {
         let (nodes, constants) = match near {
-            Near::NONE => (NODES, Vec::new()),
-            Near { postings } => (NODES_AND_NEAR, vec![("NEAR", postings as f64)]),
+            0 => (NODES, Vec::new()),
+            postings => (NODES_AND_NEAR, vec![("NEAR", postings as f64)]),
         };
         Self {
             fields: Some(maker.map_or(Fields::Host, Fields::Device)),

@@ -9,10 +9,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::device::{DeviceError, DevicePart};
+use super::interpolated::InterpolatedSkylines;
 use super::light::QuantizedLight;
 use super::near::Near;
 use super::site::{BoundedShadow, Shadow};
-use super::skylines::{InterpolatedSkylines, SkylineSource, Skylines, UnpreparedLight};
+use super::skylines::{SkylineSource, Skylines, UnpreparedLight};
 use crate::gpu::{Gpu, GpuError};
 use crate::horizon::{self, Encoding, HorizonMap};
 use crate::photometry::SolarDisk;
@@ -55,7 +56,7 @@ pub trait ShadowMethod: Debug + Send + Sync {
     /// The part for a device.
     fn device(&self, gpu: &Gpu, surface: &Surface, _disk: &SolarDisk) -> Result<DevicePart, DeviceError> {
         match self.skylines() {
-            Some(source) => Ok(DevicePart::of_skylines(source.on_device(gpu, surface)?, self.near())),
+            Some(source) => Ok(DevicePart::of_skylines(source.on_device(gpu, surface)?, self.near().postings)),
             None => Ok(DevicePart::open()),
         }
     }

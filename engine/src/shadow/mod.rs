@@ -14,6 +14,7 @@ pub mod device;
 pub mod fan;
 pub mod field_pages;
 pub mod horizon_maps;
+pub mod interpolated;
 pub mod light;
 pub mod method;
 pub mod mipmaps;
@@ -28,8 +29,9 @@ pub mod towards_sun;
 pub mod traced;
 
 pub use device::{DeviceError, DevicePart, FieldMaker, Fields};
+pub use interpolated::InterpolatedSkylines;
 pub use light::{Pointing, QuantizedLight};
 pub use method::{Cost, Domain, Ingredients, MethodOptions, PrepareError, ShadowMethod, Workload};
 pub use near::Near;
 pub use site::{BoundedShadow, Disc, Shadow, Site};
-pub use skylines::{InterpolatedSkylines, SkylineSource, Skylines, SurfacePoints, UnpreparedLight};
+pub use skylines::{SkylineSource, Skylines, SurfacePoints, UnpreparedLight};

@@ -14,8 +14,7 @@ use glam::{DVec2, DVec3};
 
 use super::device::FieldMaker;
 use super::light::QuantizedLight;
-use super::near::Near;
-use super::site::{Disc, Shadow, Site};
+use super::site::{Disc, Site};
 use crate::gpu::{Gpu, GpuError};
 use crate::grid::{Cell, Grid2};
 use crate::photometry::{DiskLight, HorizonLine};
@@ -121,26 +120,6 @@ impl Skylines {
 
     pub fn field(&self, light: usize, face: usize, level: usize) -> &Field {
         &self.fields[light][face][level]
-    }
-}
-
-/// Skylines of nodes, interpolated, as a source of shadows.
-#[derive(Debug)]
-pub struct InterpolatedSkylines<'a> {
-    pub surface: &'a Surface,
-    pub skylines: Skylines,
-    /// What they leave out.
-    pub near: Near,
-}
-
-impl Shadow for InterpolatedSkylines<'_> {
-    fn light(&self, site: &Site, disc: &Disc) -> DiskLight {
-        let level = &self.surface.terrain.faces[site.face].levels[site.level];
-        let at_m = site.lifted.truncate();
-        let field = self.skylines.field(disc.light, site.face, site.level);
-        let far = bilinear(level, field, level.grid_from_map(at_m) - level.margin as f64);
-        let [elevation_rad, slope] = self.near.over(self.surface, site, disc, far);
-        line(site, disc, elevation_rad, slope)
     }
 }
 

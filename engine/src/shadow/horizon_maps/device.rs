@@ -12,7 +12,6 @@ use crate::shadow::device::{
     BINDINGS, DeviceError, DevicePart, FIELDS_WGSL, FieldMaker, Fields, LevelTexels, SKYLINE_WGSL,
 };
 use crate::shadow::light::QuantizedLight;
-use crate::shadow::near::Near;
 use crate::terrain::{AZIMUTH_RATIO_WGSL, Gnomonic, Surface};
 
 const TEXELS: &str = include_str!("texels.wgsl");
@@ -93,7 +92,7 @@ impl DeviceMaps {
     ) -> Result<DevicePart, DeviceError> {
         let maker: Box<dyn FieldMaker> = Box::new(NodesPass::new(gpu, self, surface, disk, factor)?);
         Ok(match factor {
-            None => DevicePart::of_skylines(Some(maker), Near::NONE),
+            None => DevicePart::of_skylines(Some(maker), 0),
             Some(_) => DevicePart {
                 fields: Some(Fields::Device(maker)),
                 ..DevicePart::of([FIELDS_WGSL, NODE_FACTORS].concat(), Vec::new())

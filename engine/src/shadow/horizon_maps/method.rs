@@ -8,11 +8,12 @@ use crate::gpu::Gpu;
 use crate::horizon::HorizonMap;
 use crate::photometry::SolarDisk;
 use crate::shadow::device::{DeviceError, DevicePart};
+use crate::shadow::interpolated::InterpolatedSkylines;
 use crate::shadow::light::QuantizedLight;
 use crate::shadow::method::{FIELD_BYTES, ShadowMethod};
 use crate::shadow::near::Near;
 use crate::shadow::site::{BoundedShadow, Shadow};
-use crate::shadow::skylines::{InterpolatedSkylines, SkylineSource, Skylines, UnpreparedLight};
+use crate::shadow::skylines::{SkylineSource, Skylines, UnpreparedLight};
 use crate::terrain::Surface;
 
 impl ShadowMethod for HorizonMaps {
