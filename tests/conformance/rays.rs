@@ -15,7 +15,7 @@ use super::render::scenes;
 
 /// Few pixels of a wide view.
 fn small(view: &View, samples_per_side: usize) -> View {
-    let (columns, rows) = (2, 2);
+    let (columns, rows) = (4, 3);
     let optics =
         Optics::pinhole(columns, rows, view.optics.focal_px * f64::from(columns) / f64::from(view.optics.columns));
     view.clone()
