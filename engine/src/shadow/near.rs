@@ -25,9 +25,11 @@ use crate::horizon::Settings;
 use crate::horizon::trace::Tracer;
 use crate::terrain::Surface;
 
-/// Skylines this far below the middle of a disc, in its radii, are not told from lower ones: a step down within the disc would tilt
-/// the line that takes its place.
+/// Skylines this far below the middle of a disc, in its radii and more, are not told from lower ones: a step down within the disc
+/// would tilt the line that takes its place.
 const LOWEST_RADII: f64 = 2.0;
+/// So that a Sun without a size stands above it.
+const LOWEST_RAD: f64 = 1e-3;
 
 /// How much of the terrain is looked at from a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +52,7 @@ impl Near {
         let settings = Settings { near: self.postings, ..Settings::default() };
         let tracer = Tracer::without_finer(&surface.terrain.faces[site.face], site.level, &settings).only_near();
         let sun_rad = site.map.up(at_m).unit().dot(disc.axes.sun.unit()).clamp(-1.0, 1.0).asin();
-        let lowest_rad = sun_rad - LOWEST_RADII * disc.angular_radius_rad;
+        let lowest_rad = sun_rad - LOWEST_RADII * disc.angular_radius_rad - LOWEST_RAD;
         let half_width_rad = half_width_rad(site.map, at_m, disc.axes.sun, towards, disc.angular_radius_rad);
         let elevations_rad = THREE.map(|place| {
             let turn_rad = place * half_width_rad;

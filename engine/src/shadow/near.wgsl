@@ -9,13 +9,14 @@ const PLACE: f32 = 0.70710678;
 const NOTHING: f32 = -1.0e30;
 // As in `near.rs`.
 const LOWEST_RADII: f32 = 2.0;
+const LOWEST: f32 = 1.0e-3;
 const SLACK: f32 = 2.0e-3;
 
 // Elevation and slope by map azimuth of the skyline across a disc, from those of what stands farther away.
 fn over_near_terrain(facet: Facet, far: vec2f, towards: vec2f, s: vec3f, radius_rad: f32) -> vec2f {
     let sin_elevation = dot(s, facet.up);
     let level = sqrt(max(1.0 - sin_elevation * sin_elevation, 1.0e-12));
-    let lowest = arc_tangent(sin_elevation / level) - LOWEST_RADII * radius_rad;
+    let lowest = arc_tangent(sin_elevation / level) - LOWEST_RADII * radius_rad - LOWEST;
     // Small angles by their series: a device's sines may be off by 2^-11.
     let sine = min(radius_rad / level, WIDEST_RAD);
     let half_width = min(sine * (1.0 + sine * sine / 6.0) * azimuth_ratio(facet.at_m, facet.radius_m, towards), WIDEST_RAD);
